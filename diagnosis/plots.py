@@ -211,9 +211,10 @@ def over_the_stride(
     error: Float,
     error_band: Float,
     joints: Sequence[Joint] = LEG,
+    stance: float = np.nan,
 ) -> Figure:
     """Draw the measured torque and that of the model (J, P) over the `phase` (P,) of a stride, and the error below,
-    with bands (J, P) of one standard deviation; NaN is not drawn.
+    with bands (J, P) of one standard deviation; NaN is not drawn. A line ends `stance`, a part of the stride.
     """
     x = 100.0 * phase
     with figure_style():
@@ -232,10 +233,14 @@ def over_the_stride(
                     axes.fill_between(x, y[j] - band[j], y[j] + band[j], color=colour, alpha=0.25, linewidth=0.0)
                 axes.plot(x, y[j], color=colour, label=words or ("model" if role == "model" else LEFT_OVER))
             lower.axhline(0.0, color=FAINT, linewidth=0.7)
+            if np.isfinite(stance):
+                for axes in (upper, lower):
+                    axes.axvline(100.0 * stance, color=FAINT, linewidth=0.9, linestyle="--")
             unit = joint.unit("tau")
             upper.set(title=joint.name, ylabel=label("torque" if joint.turns else "force", unit))
             lower.set(ylabel=label("error", unit))
-        panels[-1].set(xlabel=label("stride", "%"))
+        known = ", on the ground up to the broken line" if np.isfinite(stance) else ""
+        panels[-1].set(xlabel=label(f"stride{known}", "%"))
         pairs = zip(*(panel.get_legend_handles_labels() for panel in panels[:2]), strict=True)
         handles, named = ([*above, *below] for above, below in pairs)
         figure.legend(handles, named, loc="outside lower center", ncols=3)

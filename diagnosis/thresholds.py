@@ -11,8 +11,8 @@ import exoid.diagnosis.sureness
 import exoid.diagnosis.watching
 import exoid.diagnosis.where
 import exoid.measurement.auditing
-import exoid.measurement.reading.selection
 import exoid.measurement.signals
+import exoid.measurement.stance
 import exoid.optimisation.fitting
 import exoid.optimisation.preparation
 from exoid.diagnosis.rules import RULES, Rules
@@ -22,7 +22,7 @@ from exoid.ground.thresholds import Rule, thresholds_in
 def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
     """Yield those that a recording meets on its way through `discover`."""
     yield from thresholds_in(exoid.measurement.auditing, "the audit of a recording")
-    yield from thresholds_in(exoid.measurement.reading.selection, "rows that are left out")
+    yield from thresholds_in(exoid.measurement.stance, "rows that are left out")
     yield from thresholds_in(exoid.measurement.signals, "what of a signal counts")
     yield from thresholds_in(exoid.optimisation.preparation, "preparation: filter, cut-off, samples that are used")
     yield from thresholds_in(exoid.optimisation.fitting, "what is said of a fit")

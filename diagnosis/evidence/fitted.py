@@ -102,13 +102,12 @@ class FittedModel:
         return pooled_scale([(r, p.used) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
 
     def block_losses(self, scale: Float, rules: Rules = RULES) -> Float:
-        """Return the Huber loss in blocks of time, recording after recording, in units of `scale` (J,)."""
+        """Return the Huber loss in strides, or blocks of time, recording after recording, in units of `scale` (J,)."""
         out = []
         for residual, one in zip(self.residuals, self.prepared.all, strict=True):
             size = np.where(one.used, np.abs(residual), 0.0) / scale[:, None]
             loss = np.sum(huber_terms(size, rules.robust), axis=0)
-            starts = np.arange(0, loss.size, max(1, int(rules.block_seconds * one.kept_rate)))
-            out.append(np.add.reduceat(loss, starts))
+            out.append(np.add.reduceat(loss, one.starts(rules.block_seconds)))
         return np.concatenate(out)
 
     @property

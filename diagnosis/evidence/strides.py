@@ -1,13 +1,8 @@
-"""Strides: a motion that comes again and again, cut where one joint passes its middle; torque and error over each.
-
-A stride is one turn of the joint that turns most evenly. Strides differ in length and size, and are laid over one
-another by their phase, 0 to 1. Motions whose turns are not alike have none.
-"""
+"""Torque, model and error over the stride: strides of a walk, laid over one another by their phase, 0 to 1."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,53 +10,40 @@ import numpy as np
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.plots import over_the_stride
 from exoid.ground.plain import AsJson
-from exoid.ground.thresholds import Threshold
-from exoid.ground.ties import index_of_least
-from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.strides import PHASES, over_phases
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ALIKE = Threshold(
-    0.4,
-    "part of the standard deviation of the mean stride, RMS, by which strides differ from it in any angle: motions "
-    "that come again in another size every time would be laid over one another",
-)
-SHORTEST, LONGEST = 0.4, 6.0
-"""s, of a stride."""
 FEWEST = 5
 """Strides of all recordings together."""
-COVERED = 0.6
-"""Part of the time that strides take at least."""
-PHASES = 50
-"""Points of a stride."""
-STILL = 0.02
-"""rad, or tenths of a metre: standard deviation below which a joint does not move."""
 
 
 @dataclass(frozen=True, eq=False)
 class Strides(AsJson):
     """Strides of the recordings that are shown, over which torque and error are laid.
 
-    `seconds` each takes, from `shortest` to `longest`; they begin where `joint` passes `middle` (rad, m) forwards.
-    `phase` (P,); over it the measured torque (J, P) and its standard deviation from stride to stride, that of the
-    model, and the error with its own, N·m; NaN where nothing was used. `again` (J,) is the share of the error's power
-    that comes again in every stride.
+    `seconds` each takes, from `shortest` to `longest`; they begin where the foot comes down, or, with a `joint`, where
+    that passes `middle` (rad, m) forwards. `stance` is the part in which a foot is known to be on the ground, NaN where
+    nobody measured it. `phase` (P,); over it the measured torque (J, P) and its standard deviation from stride to
+    stride, that of the model, and the error with its own, N·m; NaN where nothing was used. `again` (J,) is the share of
+    the error's power that comes again in every stride.
     """
 
     JSON = (
-        "count seconds shortest longest joint middle again apart error_apart phase measured measured_band model error "
-        "error_band sentence"
+        "count seconds shortest longest joint middle stance again apart error_apart phase measured measured_band model "
+        "error error_band sentence"
     )
 
     count: int
     seconds: float
     shortest: float
     longest: float
-    joint: str
+    joint: str | None
     middle: float
+    stance: float
     phase: Float
     measured: Float
     measured_band: Float
@@ -90,54 +72,52 @@ class Strides(AsJson):
             for joint, a, e, s in zip(self.joints, self.apart, self.error_apart, self.again, strict=True)
         ]
         length = f"{self.seconds:.2g} s ({self.shortest:.2g} to {self.longest:.2g})"
-        return f"{self.count} strides of {length}. {'; '.join(parts)}."
+        return f"{self.count} strides of {length}, {self.begin}. {'; '.join(parts)}."
+
+    @property
+    def begin(self) -> str:
+        """From where to where a stride goes, in words."""
+        if self.joint is None:
+            return f"from one step of the foot to its next, {100.0 * self.stance:.0f} % of each on the ground"
+        unit = next(joint.unit("q") for joint in self.joints if joint.name == self.joint)
+        return f"each from where the {self.joint} passes {self.middle:.2g} {unit} forwards"
 
     def plot(self) -> Figure:
         """Draw measured torque, model and error over the stride: means, and bands of one standard deviation."""
         lines = (self.measured, self.measured_band, self.model, self.error, self.error_band)
-        return over_the_stride(self.phase, *lines, self.joints)
+        return over_the_stride(self.phase, *lines, self.joints, self.stance)
 
 
 def strides_of(fitted: FittedModel) -> Strides | None:
     """Return the strides of the recordings that are held out, or of all; None where the motion has none."""
     prepared = fitted.prepared
     shown = range(len(prepared.train) if prepared.verify else 0, len(prepared.all))
-    cuts = [cut(prepared.all[index]) for index in shown]
-    found = [one for one in cuts if one is not None]
+    found = {index: cut for index in shown if (cut := prepared.all[index].strides) is not None}
     if not found:
         return None
-    # One joint cuts them all, that of most recordings, so that phases mean the same.
-    joints = [one[0] for one in found]
-    joint = max(sorted({*joints}), key=joints.count)
-    torques: list[Float] = []
-    models: list[Float] = []
-    rests: list[Float] = []
-    lengths: list[float] = []
-    middles = []
-    for index, one in zip(shown, cuts, strict=True):
-        if one is None or one[0] != joint:
-            continue
-        recording = prepared.all[index]
-        middles.append(one[1])
-        used = recording.used
-        for begin, end in one[2]:
-            at = np.linspace(begin, end, PHASES, endpoint=False)
-            whole = [fitted.torque(index), fitted.residuals[index], recording.torque]
-            rows = [np.where(_at(used.astype(float), at) > 0.99, _at(part, at), np.nan) for part in whole]
-            models.append(rows[0])
-            rests.append(rows[1])
-            torques.append(rows[2])
-            lengths.append((end - begin) / recording.kept_rate)
-    if len(lengths) < FEWEST:
+    # All are cut alike, as most recordings are, so that phases mean the same.
+    cut_by = [cut.joint for cut in found.values()]
+    joint = max(cut_by, key=cut_by.count)
+    found = {index: cut for index, cut in found.items() if cut.joint == joint}
+    curves: list[list[Float]] = []
+    for index, cut in found.items():
+        one = prepared.all[index]
+        rows = [fitted.torque(index), fitted.residuals[index], one.torque]
+        for ends in cut.ends:
+            used = over_phases(one.used.astype(float), ends) > 0.99
+            curves.append([np.where(used, over_phases(part, ends), np.nan) for part in rows])
+    if len(curves) < FEWEST:
         return None
-    measured, rest, model = (np.array(part) for part in (torques, rests, models))
+    model, rest, measured = np.array(curves).swapaxes(0, 1)
+    lengths = np.concatenate([np.diff(cut.ends)[:, 0] / prepared.all[k].kept_rate for k, cut in found.items()])
     return Strides(
-        count=len(lengths),
+        count=len(curves),
         seconds=float(np.median(lengths)),
-        shortest=min(lengths),
-        longest=max(lengths),
-        joint=fitted.model.joint_names[joint],
-        middle=float(np.mean(middles)),
+        shortest=float(lengths.min()),
+        longest=float(lengths.max()),
+        joint=None if joint is None else fitted.model.joint_names[joint],
+        middle=float(np.mean([cut.middle for cut in found.values()])),
+        stance=float(np.mean([cut.stance for cut in found.values()])),
         phase=np.arange(PHASES) / PHASES,
         measured=_mean(measured),
         measured_band=_deviation(measured),
@@ -147,59 +127,6 @@ def strides_of(fitted: FittedModel) -> Strides | None:
         again=_again(rest),
         joints=tuple(fitted.model.joints),
     )
-
-
-def cut(one: PreparedRecording) -> tuple[int, float, list[tuple[float, float]]] | None:
-    """Return by which joint a prepared recording is cut, where that has its middle, and begin and end of every stride
-    in kept samples; None where it has no strides.
-    """
-    q, rate = one.motion.q[one.kept], one.kept_rate
-    moving = np.flatnonzero(q.std(axis=0) > STILL * np.asarray(one.reach))
-    period = _period(q[:, moving], rate) if moving.size else None
-    if period is None:
-        return None
-    tried = [(joint, _passes(q[:, joint], period)) for joint in moving]
-    uneven = [np.std(np.diff(at)) / np.mean(np.diff(at)) if len(at) > 3 else np.inf for _, at in tried]
-    joint, at = tried[index_of_least([float(x) for x in uneven], 1.0)]
-    usual = float(np.median(np.diff(at))) if len(at) > 1 else 0.0
-    pairs = [(a, b) for a, b in pairwise(at) if 0.7 * usual < b - a < 1.4 * usual]
-    if len(pairs) < 2 or sum(b - a for a, b in pairs) < COVERED * len(q):
-        return None
-    curves = np.array([_at(q[:, moving].T, np.linspace(a, b, PHASES, endpoint=False)) for a, b in pairs])
-    usual_curve = curves.mean(axis=0)
-    away = np.sqrt(np.mean((curves - usual_curve) ** 2, axis=(0, 2))) / np.maximum(usual_curve.std(axis=1), 1e-12)
-    return (int(joint), float(q[:, joint].mean()), pairs) if np.all(away < ALIKE) else None
-
-
-def _period(q: Float, rate: float) -> float | None:
-    """Return after how many samples angles (N, J) come again first; None where they do not."""
-    x = (q - q.mean(axis=0)) / q.std(axis=0)
-    size = 2 * len(x)
-    alike = np.fft.irfft(np.abs(np.fft.rfft(x, size, axis=0)) ** 2, size, axis=0)[: len(x)].mean(axis=1)
-    alike = alike / (len(x) - np.arange(len(x)))
-    first, last = int(SHORTEST * rate), min(int(LONGEST * rate), len(x) // 3)
-    peaks = [k for k in range(max(first, 1), last) if alike[k - 1] <= alike[k] > alike[k + 1]]
-    best = max((alike[k] for k in peaks), default=0.0)
-    return next((float(k) for k in peaks if alike[k] > 0.8 * best), None) if best > 0.3 else None
-
-
-def _passes(x: Float, period: float) -> list[float]:
-    """Return at which samples (fractions) an angle (N,) passes its middle forwards, once in a period."""
-    width = max(1, round(period / 4.0))
-    smooth = np.convolve(x - x.mean(), np.ones(width) / width, mode="same")
-    before = np.flatnonzero((smooth[:-1] < 0.0) & (smooth[1:] >= 0.0))
-    at = before + smooth[before] / (smooth[before] - smooth[before + 1])
-    kept: list[float] = []
-    for place in at:
-        if not kept or place - kept[-1] > 0.5 * period:
-            kept.append(float(place))
-    return kept
-
-
-def _at(rows: Float, at: Float) -> Float:
-    """Return rows (J, K) at the samples `at` (P,), between them along straight lines."""
-    places = np.arange(rows.shape[1])
-    return np.array([np.interp(at, places, row) for row in rows])
 
 
 def _mean(x: Float) -> Float:

@@ -18,8 +18,8 @@ from exoid.ground.errors import ExoidError
 from exoid.measurement.forces import force_signals, pushed_model, usual_forces
 from exoid.measurement.reading.columns import required
 from exoid.measurement.reading.outside import CONTACT, GROUND, force_columns
-from exoid.measurement.reading.selection import LOADED
 from exoid.measurement.recording import Recording
+from exoid.measurement.stance import LOADED
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float

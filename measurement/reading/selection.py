@@ -15,19 +15,15 @@ from numpy.typing import NDArray
 
 from exoid.ground.errors import RecordingError
 from exoid.ground.suggest import did_you_mean
-from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.checks.length import LEAST_ROWS
 from exoid.measurement.finding import SELECTION, Finding
 from exoid.measurement.reading.outside import CONTACT, GROUND
 from exoid.measurement.reading.raw import RawTable
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.masks import widen
+from exoid.measurement.stance import load_level
 from exoid.symbolic.motion import Float
 
-LOADED = Threshold(
-    0.05,
-    "part of the largest load of a foot from which it is on the ground: an insole is never quite zero in the air",
-)
 MARGIN = 0.04
 """s on either side of contact that belong to it: a switch closes at some load, and not at the first touch."""
 WAYS: Mapping[str, Callable[[Float, float], NDArray[np.bool_]]] = {
@@ -105,11 +101,8 @@ def swings(recording: Recording) -> Recording:
     if contact is None or any(name in recording.forces for name in GROUND):
         return recording
     where = recording.source.path or recording.name
-    known = contact[recording.valid]
-    low, high = np.quantile(known, (0.01, 0.99)) if known.size else (0.0, 0.0)
-    level = low + (0.5 if set(np.unique(known)) <= {0.0, 1.0} else LOADED) * (high - low)
-    stance = contact > level
-    stance = widen(stance, round(MARGIN * recording.rate))
+    low, high, level = load_level(contact[recording.valid])
+    stance = widen(contact > level, round(MARGIN * recording.rate))
     if not low < high or np.count_nonzero(recording.complete & ~stance) < LEAST_ROWS:
         what = f"{CONTACT} hardly changes: it does not say when the foot is in the air, and nothing is left out by it"
         found = Finding(SELECTION, "warning", what, where, remedy="look at the foot switch and its cable")

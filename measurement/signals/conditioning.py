@@ -28,6 +28,7 @@ from exoid.measurement.signals.compiled import POLES
 from exoid.measurement.signals.holes import BRIEF_HOLE, HOLE_STEPS, MISSING_STEPS, interpolated
 from exoid.measurement.signals.masks import straight
 from exoid.measurement.signals.spikes import spikes, spikes_beside
+from exoid.measurement.stance import stances_of
 from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.motion import Float
 from exoid.symbolic.waves import FEW, Waves, are_even
@@ -63,6 +64,8 @@ class UniformSignals:
     force: Float | None = None
     as_read: Recording | None = None
     """The recording whose torques these are, sample by sample; None where they were resampled."""
+    stances: Float | None = None
+    """When (S, 2) in s a foot came down and left the ground, where that was measured."""
     _slower: dict[int, Float] = field(default_factory=dict, init=False, repr=False)
     _beside: dict[int, NDArray[np.bool_]] = field(default_factory=dict, init=False, repr=False)
 
@@ -182,7 +185,8 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
         torque_gap = torque_gap | np.any(unpushed, axis=1, keepdims=True)
     missing = torque_gap & ~passive
     as_read = recording if grid.size == len(recording) and np.array_equal(tau, recording.tau) else None
-    return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, passive, recording.payloads, base, pushed, as_read)
+    known = (passive, recording.payloads, base, pushed, as_read, stances_of(recording))
+    return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, *known)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:

@@ -48,6 +48,7 @@ from exoid.optimisation.preparation.sticking import (
     sign_width,
     sticking,
 )
+from exoid.optimisation.preparation.strides import StrideCut, cut_into_strides
 from exoid.symbolic.columns import forces_torque
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
@@ -123,6 +124,8 @@ class PreparedRecording:
     """The torques before spikes were hidden; None where there never were any."""
     direction: Direction | None = field(default=None, kw_only=True)
     """What the direction of motion is taken from; None: the velocities themselves."""
+    stances: Float | None = field(default=None, kw_only=True)
+    """When (S, 2) in s a foot came down and left the ground, where that was measured."""
 
     def beside(self, known: Float) -> PreparedRecording:
         """Return the recording with its spikes judged anew, beside the torque `known` (N, J) of a model."""
@@ -219,6 +222,19 @@ class PreparedRecording:
         """For each joint what bridges its hidden samples."""
         return [bridging(column, self.rate) for column in self.hidden.T]
 
+    @cached_property
+    def strides(self) -> StrideCut | None:
+        """The strides of its motion at the kept samples; None where it has none."""
+        return cut_into_strides(self.motion.q[self.kept], self.t, self.stances, self.reach)
+
+    def starts(self, seconds: float) -> np.ndarray:
+        """Return the kept samples at which blocks begin that are compared with one another: its strides, or stretches
+        of so many `seconds` where it has none.
+        """
+        if self.strides is not None:
+            return self.strides.starts(len(self.kept))
+        return np.arange(0, len(self.kept), max(1, int(seconds * self.kept_rate)))
+
     @property
     def t(self) -> Float:
         """Time of the kept samples (K,), s."""
@@ -294,6 +310,7 @@ def prepare_one(
         pushed=None if beta is None or not base.forces else forces_torque(base, motion, beta),
         read=TorqueRead(tau, missing, ~stuck[kept].T & ~(standing & ~loaded)[:, None], brief),
         direction=told,
+        stances=even.stances,
     )
     if beta is None:
         return one.without(_spikes(even, factor))

@@ -1,15 +1,16 @@
 """Strides: walks are cut into them, other motions are not; what is told over the stride."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from exoid.diagnosis.compare import compare
 from exoid.diagnosis.evidence import strides as module
-from exoid.diagnosis.evidence.strides import PHASES, cut
 from exoid.measurement.bench.simulation import Bench, simulate
 from exoid.measurement.bench.walk import Walk
+from exoid.measurement.recording import Recording
+from exoid.measurement.stance import stances_of
+from exoid.optimisation.preparation import strides as cutting
+from exoid.optimisation.preparation.strides import PHASES, cut_into_strides
 from exoid.symbolic.model import Model
 
 
@@ -42,9 +43,8 @@ def test_a_motion_that_was_drawn_has_none():
     assert found.strides is None and found.to_json()["strides"] is None
 
 
-def recorded(q, rate=25.0):
-    motion = SimpleNamespace(q=q)
-    return SimpleNamespace(motion=motion, kept=np.arange(len(q)), kept_rate=rate, reach=np.ones(q.shape[1]))
+def cut(q, stances=None, rate=25.0):
+    return cut_into_strides(q, np.arange(len(q)) / rate, stances, np.ones(q.shape[1]))
 
 
 @pytest.mark.shows("strides.ALIKE")
@@ -52,16 +52,44 @@ def recorded(q, rate=25.0):
 def test_strides_of_very_different_sizes_are_not_laid_over_one_another(spread, alike, monkeypatch):
     t = np.arange(0.0, 30.0, 0.04)
     size = 1.0 + spread * np.random.default_rng(0).choice([-1.0, 1.0], 31)[(t // 1.0).astype(int)]
-    one = recorded(np.column_stack([size * np.sin(2.0 * np.pi * t), 0.0 * t]))
+    one = np.column_stack([size * np.sin(2.0 * np.pi * t), 0.0 * t])
     assert (cut(one) is not None) == alike
-    monkeypatch.setattr(module, "ALIKE", 2.0 if not alike else 0.05)
+    monkeypatch.setattr(cutting, "ALIKE", 2.0 if not alike else 0.05)
     assert (cut(one) is not None) != alike
 
 
 def test_what_stands_or_stops_has_none():
     t = np.arange(0.0, 30.0, 0.04)
-    assert cut(recorded(np.zeros((len(t), 2)))) is None
-    assert cut(recorded(np.sin(2.0 * np.pi * t)[:, None] * (t < 8.0)[:, None])) is None
+    assert cut(np.zeros((len(t), 2))) is None
+    assert cut(np.sin(2.0 * np.pi * t)[:, None] * (t < 8.0)[:, None]) is None
+
+
+def test_where_contact_is_measured_strides_begin_at_the_step():
+    walk = Walk(stride=1.3, stance=0.6)
+    for measured in (("plate",), ("switch",)):
+        bench = Bench(duration=20.0, walk=walk, measured=measured)
+        found = compare(Model.standard(), [simulate(seed=1, bench=bench)], [simulate(seed=2, bench=bench)]).strides
+        assert found.joint is None and found.stance == pytest.approx(0.6, abs=0.04)  # loaded from a twentieth on
+        assert "from one step of the foot to its next" in found.sentence
+
+
+def test_a_foot_that_is_seen_once_does_not_cut_a_walk():
+    t = np.arange(0.0, 30.0, 0.04)
+    q = np.column_stack([np.sin(2.0 * np.pi * t), np.cos(2.0 * np.pi * t)])
+    steps = np.arange(0.25, 28.0)
+    every = cut(q, np.column_stack([steps, steps + 0.6]))
+    assert every.joint is None and every.stance == pytest.approx(0.6) and len(every.ends) == len(steps) - 1
+    assert cut(q, np.array([[3.25, 3.85], [4.25, 4.85], [5.25, 5.85]])).joint == 0
+
+
+def test_a_switch_that_bounces_makes_no_step():
+    t = np.arange(0.0, 10.0, 0.01)
+    contact = ((t % 1.25) < 0.7).astype(float)
+    contact[[20, 21, 90, 91]] = 1.0 - contact[[20, 21, 90, 91]]
+    one = Recording("one", t, np.zeros((len(t), 2)), np.zeros((len(t), 2)), contact=contact)
+    found = stances_of(one)
+    assert found[:, 0] == pytest.approx(1.25 * np.arange(1, 1 + len(found)), abs=0.02) and len(found) >= 6
+    assert np.diff(found, axis=1) == pytest.approx(0.7, abs=0.02)
 
 
 def test_the_share_that_comes_again_is_that_of_the_mean_stride():

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from exoid.diagnosis.discover import discover
 from exoid.ground.errors import RecordingError
+from exoid.measurement import stance
 from exoid.measurement.finding import SELECTION
-from exoid.measurement.reading import selection
 from exoid.measurement.reading.read import read_recording
 from exoid.measurement.reading.selection import Condition, conditions
 from exoid.symbolic.model import Model
@@ -91,11 +91,11 @@ def test_a_switch_that_never_changes_leaves_nothing_out():
     assert chosen(one).all() and any("hardly changes" in found.what for found in one.findings)
 
 
-@pytest.mark.shows("selection.LOADED")
+@pytest.mark.shows("stance.LOADED")
 def test_an_insole_is_never_quite_zero(monkeypatch):
     load = np.where(np.arange(400) % 100 < 60, 300.0, 4.0) + np.random.default_rng(0).uniform(0.0, 6.0, 400)
     assert 0.3 < chosen(read_recording(table(insole_force=load))).mean() < 0.4
-    monkeypatch.setattr(selection, "LOADED", 0.0)
+    monkeypatch.setattr(stance, "LOADED", 0.0)
     assert chosen(read_recording(table(insole_force=load))).all()  # it seems never to leave the ground
 
 
