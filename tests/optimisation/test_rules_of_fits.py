@@ -215,7 +215,7 @@ def test_a_joint_that_stands_shows_its_load_where_its_torque_varies_more_than_no
 @pytest.mark.shows("extend.WORTH")
 @pytest.mark.parametrize(("fall", "helped"), [(0.0015, False), (0.003, True)])
 def test_an_effect_added_by_hand_helps_where_the_error_falls(fall, helped, monkeypatch):
-    term = SimpleNamespace(name="stribeck:hip")
+    term = SimpleNamespace(name="stribeck:hip", may_move=False)
     model = SimpleNamespace(with_effect=lambda effect, joint: SimpleNamespace(terms=[term]), forces=())
     said = {
         "compiled": SimpleNamespace(backend="vm"), "identify": SimpleNamespace(estimates=[]), "_fall": fall,
