@@ -150,11 +150,6 @@ class Rules:
         SEARCH, 0.8, "part of the best gain from which a candidate is refitted: a grid missed its place"
     )
     refitted: int = _rule(SEARCH, 5, "rivals at most that a refit compares, for speed")
-    own_place: float = _rule(
-        SEARCH,
-        0.5,
-        "part of its gain that a candidate with per-recording positions keeps beside an offset per recording",
-    )
     sure: float = _rule(SEARCH, 0.01, "p-value an accepted term keeps beside the others: a superfluous term")
     many_numbers: int = _rule(SEARCH, 4, "a term with so many numbers is compared with plainer ones in its place")
     rounds: int = _rule(SEARCH, 4, "times the search goes on after it took back a proxy")

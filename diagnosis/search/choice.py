@@ -1,6 +1,6 @@
-"""Which candidate to add: the significant ones are compared after a refit of everything, and must outlive two doubts.
+"""Which candidate to add: the significant ones are compared after a refit of everything.
 
-What noise of the angles makes, and what another offset of the torque sensor in every recording would do, is no effect.
+What noise of the angles makes is no effect.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.fitted import lag
-from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
-from exoid.diagnosis.evidence.look_alikes import columns_at, look_alikes
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.look_alikes import look_alikes
 from exoid.diagnosis.evidence.score import UNSEEN, Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
@@ -21,7 +21,6 @@ from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import ascending, least_of
-from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +103,7 @@ def refitted(
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
     # Of what no motion here distinguishes the plainest is told, whichever the last digits of a refit prefer.
     score, found = min([(score, found), *(p for p in tried if _same(p[0], score))], key=lambda p: _plainness(p[0]))
-    if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
+    if not outlives_noise(context, extension, evidence, score):
         return None
     wanted = {*behind_best, *alike} - elsewhere
     others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
@@ -179,41 +178,6 @@ def outlives_noise(context: SearchContext, extension: Extension, evidence: Evide
     simulated = evidence_on(context.simulated(extension), evidence)
     needed = needed_beyond_noise(score.candidate, score.shape, evidence, simulated)
     return score.share - needed >= context.rules.least_share
-
-
-def outlives_offsets(extension: Extension, evidence: Evidence, score: Score) -> bool:
-    """Whether a candidate with per-recording positions is more than another offset of the sensor in each recording.
-
-    A stop that is met elsewhere in each recording can take the place of a torque that is a little higher in one
-    than in another. So means are taken off: recording by recording, of residual, model and candidate alike.
-    """
-    if not score.candidate.per_recording or len(evidence.blocks) < 2:
-        return True
-    rules, count = evidence.rules, len(evidence.train)
-    blocks = [_centred(block) for block in evidence.blocks]
-    level = Evidence(
-        blocks[:count], blocks[count:], seed=0, draws=0, sigma=evidence.sigma, prior=evidence.prior, rules=rules
-    )
-    columns = [
-        replace(c, values=c.values - _mean(c.values, block.use[list(c.joints)][None, :, :, None], 2))
-        for c, block in zip(columns_at(score.candidate, score.shape, extension.fitted), evidence.blocks, strict=True)
-    ]
-    loss = float(evidence.fold_losses.sum())
-    gain = float(level.gain(level.plain(columns)).total[0]) / loss
-    # Most of what offsets leave at its joints is enough: a drift makes some of both, and others what is left elsewhere.
-    left = float(level.fold_losses.sum()) * level.portion(columns[0].joints) / loss
-    return gain >= max(rules.least_share, rules.own_place * min(score.share, left))
-
-
-def _centred(block: RecordingEvidence) -> RecordingEvidence:
-    """Return a block of which every column and the residual have no mean at either joint."""
-    columns = block.columns - _mean(block.columns, block.use[:, :, None], 1)
-    return replace(block, columns=columns, residual=block.residual - _mean(block.residual, block.use, 1))
-
-
-def _mean(x: Float, use: np.ndarray, axis: int) -> Float:
-    """Return the mean of `x` over the usable samples along `axis`, kept as an axis of length one."""
-    return np.sum(x * use, axis=axis, keepdims=True) / np.maximum(use.sum(axis=axis, keepdims=True), 1)
 
 
 def _plainness(score: Score) -> tuple[int, int]:

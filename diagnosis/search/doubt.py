@@ -46,7 +46,6 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
         or beside_standstill(before, after, rules)
-        or held_command(after)
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
@@ -170,23 +169,6 @@ def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
     return (
         f"explains next to nothing further than {BESIDE:g} s from where the joint stands still: friction at low speed, "
         "or its direction, may be what is missing, and this only takes up part of it"
-    )
-
-
-def held_command(after: Extension) -> str:
-    """Return that the term has torque come less than half a sample early, as a command does that is logged when it is
-    given and holds until the next: no clock of a recording is better than that.
-    """
-    if after.added is None or after.added.candidate.term.effect.id != DELAY:
-        return ""
-    own = [k for k, entry in enumerate(after.fitted.model.shapes) if entry.term == after.added.name]
-    early = -float(np.median(after.fitted.fit.shapes[:, own]))
-    half = 0.5 / min(one.full_rate for one in after.fitted.prepared.train)
-    if not 0.0 < early <= half:
-        return ""
-    return (
-        f"the torque would come {early:.2g} s before its motion, within half a sample: so does a command that is "
-        "logged when it is given and holds until the next one"
     )
 
 

@@ -22,7 +22,6 @@ from exoid.diagnosis.search.doubt import (
     DELAY,
     Objection,
     beside_standstill,
-    held_command,
     on_bound,
     torque_before_motion,
 )
@@ -86,19 +85,6 @@ def test_torque_before_its_motion_must_explain_most(delay, left, doubted):
     assert bool(torque_before_motion(before, after, np.ones(2), RULES)) is doubted
     after.added.candidate.term = SimpleNamespace(effect=SimpleNamespace(id="stribeck"))
     assert torque_before_motion(before, after, np.ones(2), RULES) == ""
-
-
-@pytest.mark.parametrize(("delay", "doubted"), [(-0.0004, True), (-0.0008, False), (0.0004, False)])
-def test_a_command_that_holds_for_a_sample_is_no_early_torque(delay, doubted):
-    """At 1 kHz it comes half a sample, 0.5 ms, before the motion it makes."""
-    term = SimpleNamespace(effect=SimpleNamespace(id=DELAY), name="time_delay:hip")
-    fitted = SimpleNamespace(
-        model=SimpleNamespace(shapes=[SimpleNamespace(term="time_delay:hip")]),
-        fit=SimpleNamespace(shapes=np.full((2, 1), delay)),
-        prepared=SimpleNamespace(train=[SimpleNamespace(full_rate=1000.0)]),
-    )
-    added = SimpleNamespace(candidate=SimpleNamespace(term=term), name=term.name)
-    assert bool(held_command(SimpleNamespace(fitted=fitted, added=added))) is doubted
 
 
 @pytest.mark.shows("beyond_standstill")

@@ -16,7 +16,7 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.stretches import searched_stretches
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search import choice, engine
-from exoid.diagnosis.search.choice import contains, outlives_noise, outlives_offsets, refitted, shortlist
+from exoid.diagnosis.search.choice import contains, outlives_noise, refitted, shortlist
 from exoid.diagnosis.search.doubt import made_by_the_filter
 from exoid.diagnosis.search.exchange import _rivals
 from exoid.diagnosis.search.state import State
@@ -58,8 +58,7 @@ def chosen(losses, monkeypatch):
         rules=RULES, with_term=with_term, unseen_gain=lambda before, after: 1.0, doubt=lambda before, after: "",
         library=SimpleNamespace(find="all nodes of {}".format),
     )  # fmt: skip
-    for name in ("outlives_noise", "outlives_offsets"):
-        monkeypatch.setattr(choice, name, lambda *asked: True)
+    monkeypatch.setattr(choice, "outlives_noise", lambda *asked: True)
     monkeypatch.setattr(choice, "contains", lambda *asked: not asked[3].startswith("all nodes of"))
     monkeypatch.setattr(choice, "_twins", lambda *asked: [])
     monkeypatch.setattr(choice, "on_bound", lambda *asked: "")
@@ -128,21 +127,6 @@ def test_a_term_gains_more_than_twice_what_it_gains_where_it_is_certainly_not(wi
     evidence = SimpleNamespace(fold_losses=np.ones(1), sigma=np.ones(1), rules=RULES)
     one = score("it", 0.1, shape=np.zeros((1, 0)))
     assert outlives_noise(context, SimpleNamespace(fitted=None), evidence, one) is stays
-
-
-@pytest.mark.shows("own_place")
-@pytest.mark.parametrize(("explained", "stays"), [(0.65, True), (0.35, False)])
-def test_an_effect_that_moves_with_each_recording_is_more_than_an_offset_in_each(explained, stays, monkeypatch):
-    """Recordings with offsets; of what else is left the candidate explains a part."""
-    wave, rest = noise(6), noise(7)
-    wave, rest = wave - wave.mean(), rest - rest.mean()
-    rest -= wave * (wave @ rest) / (wave @ wave)
-    residual = np.sqrt(explained) * wave / wave.std() + np.sqrt(1.0 - explained) * rest / rest.std()
-    evidence = Evidence([block(residual + k) for k in (-1.0, 1.0)], [], seed=0, draws=0, sigma=np.full(1, 1e3))
-    monkeypatch.setattr(choice, "columns_at", lambda *asked: at(wave, wave))
-    one = score("it", 1.0, shape=np.zeros((2, 0)))
-    one.candidate.per_recording = [0]
-    assert outlives_offsets(SimpleNamespace(fitted=None), evidence, one) is stays
 
 
 @pytest.mark.shows("many_numbers")
