@@ -15,7 +15,7 @@ from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.look_alikes import block_losses
+from exoid.diagnosis.evidence.look_alikes import block_losses, refine
 from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from exoid.diagnosis.evidence.score import weigh
 from exoid.ground.engines.workers import first_passing
@@ -57,14 +57,15 @@ class BetterCurve:
 
 
 def beaten(
-    now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int
+    now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int, *, several: bool = False
 ) -> BetterCurve | None:
     """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term on the same data.
 
     Beaten is a term that explains less than most of what a curve does, clearly so in the scatter of blocks of time, or
     of what a single bump with fewer numbers than the `numbers` of the term does; and that adds little to that curve: it
-    was a proxy. A true effect of a machine that has errors besides explains most of what a curve can bend to. A term
-    beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
+    was a proxy. `several` terms together are beaten by a bump that does practically as well with fewer numbers. A true
+    effect of a machine that has errors besides explains most of what a curve can bend to. A term beside which something
+    else is left adds nearly as much to a curve as it gains alone. `now` and
     `evidence` are of the model without the term.
     """
     rules = evidence.rules
@@ -98,8 +99,12 @@ def beaten(
         ]
         score = weigh(evidence, candidate, columns)
         best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
+        if several:
+            score, refined = refine(evidence, score, now)
+            best = tuple(refined)
         bump = BetterCurve(best, common, None, score.share)
-        return bump if alone < rules.spared * score.share and bump.supersedes(term) else None
+        least = rules.practically if several else 1.0 / rules.spared
+        return bump if score.share > least * alone and bump.supersedes(term) else None
 
     contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint) if candidate.numbers < numbers]
     won = first_passing(lambda k: contests[k]() is not None, len(contests))

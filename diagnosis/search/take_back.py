@@ -66,7 +66,7 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
             numbers = sum(scores[n].candidate.numbers for n in group)
             columns = [context.columns_of(as_fitted(scores[n], state.last), without.fitted) for n in group]
             together = stacked(columns, len(evidence.sigma))
-            winner = beaten(without.fitted, evidence, joint, together, numbers)
+            winner = beaten(without.fitted, evidence, joint, together, numbers, several=len(group) > 1)
             if winner is not None:
                 return frozenset({*group, *_superseded(context, without, evidence, winner, joint)})
     return frozenset()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -128,12 +129,6 @@ def test_a_mapping_beside_recordings(plant, tmp_path, capsys):
     assert "exoid.toml" in capsys.readouterr().err
 
 
-class Nobody:
-    """An engine that is not asked."""
-
-    ships, ahead = False, 1
-
-
 JOB = Job("d1", "compare", {"device": "d1"})
 PLAN = Plan("plan", "compare", (), ("device",), "device", None)
 
@@ -153,7 +148,7 @@ def test_the_files_of_a_campaign(name, plant, tmp_path):
             write_tables(tmp_path / "fleet", plan, [row])
         return
     with pytest.raises((OSError, ExoidError), match=r"link|ordinary"):
-        run_campaign(plan, tmp_path / "fleet", Nobody())
+        run_campaign(plan, tmp_path / "fleet", ThreadPoolExecutor(1))
 
 
 @pytest.mark.parametrize("name", ["jobs", "d1"])
