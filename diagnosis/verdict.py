@@ -175,7 +175,7 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
         named = {term.name: term.effect for term in end.last.model.terms}
         names = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
-        text += f" Of recordings held out, {names} was found in one half and judged on the other."
+        text += f" What a held-out recording has to itself ({names}) was found in one half and judged on the other."
     losing = [a for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)]
     if lost := " and ".join(called(a.name, end.find) for a in losing):
         text += f" The recordings held out here lose a little by {lost}; in nearly all other splits they gain by it."
