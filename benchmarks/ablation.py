@@ -30,11 +30,10 @@ os.environ.setdefault("EXOID_PROCESSES", "1")
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.arena.cases import draw, names  # noqa: E402 - the repository must be on the path first
+from benchmarks.arena.__main__ import answered  # noqa: E402 - the repository must be on the path first
+from benchmarks.arena.cases import names  # noqa: E402
 from benchmarks.arena.referee import right  # noqa: E402
-from benchmarks.arena.task import Left  # noqa: E402
 from benchmarks.baselines import read_lines  # noqa: E402
-from exoid.ground.errors import ExoidError  # noqa: E402
 
 Line = dict[str, Any]
 
@@ -141,18 +140,10 @@ def _counted(switch: Switch, fired: set[str]) -> Callable[..., Any]:
     return asked
 
 
-def _said(case: str) -> Line:
-    """Return what exoid answers to a case, and the truth."""
-    sealed = draw(case)
-    entry = importlib.import_module("benchmarks.arena.entries.exoid_discover")
-    line: Line = {"case": case, "hidden": list(sealed.hidden), "names": [], "verdict": "", "away": None}
-    try:
-        answer = entry.answer(sealed.task)
-        line |= {"names": [list(one) for one in answer.names], "verdict": answer.verdict}
-        line["away"] = sealed.away(answer.torque) if sealed.judged else None
-    except ExoidError as refusal:
-        line["verdict"] = f"refused: {refusal}"
-    return line
+def _said(case: str) -> Line | None:
+    """Return what exoid answers to a case, and the truth; None where it cannot be drawn here."""
+    truth, said = answered(case, ["exoid_discover"], sealed_before=False)
+    return truth | said[0] if truth is not None and said else None
 
 
 def counted(case: str) -> Line | None:
@@ -162,21 +153,17 @@ def counted(case: str) -> Line | None:
     with ExitStack() as stack:
         for one in switches().values():
             stack.enter_context(replaced(one, _counted(one, fired)))
-        try:
-            line = _said(case)
-        except Left:
-            return None
-    return line | {"fired": sorted(fired)}
+        line = _said(case)
+    return None if line is None else line | {"fired": sorted(fired)}
 
 
-def without(case: str, rules: Sequence[str]) -> Line:
-    """Return the answer to a case with some rules switched off."""
+def without(case: str, rule: str) -> Line | None:
+    """Return the answer to a case with a rule switched off; None where it cannot be drawn here."""
     importlib.import_module("exoid.diagnosis.discover")
-    with ExitStack() as stack:
-        for rule in rules:
-            one = switches()[rule]
-            stack.enter_context(replaced(one, one.off))
-        return _said(case) | {"rule": " ".join(rules)}
+    one = switches()[rule]
+    with replaced(one, one.off):
+        line = _said(case)
+    return None if line is None else line | {"rule": rule}
 
 
 def run(folder: Path, wanted: Sequence[str], rules: Sequence[str], processes: int) -> None:
@@ -193,7 +180,7 @@ def run(folder: Path, wanted: Sequence[str], rules: Sequence[str], processes: in
             for rule in rules
             if rule in line["fired"] and line["case"] in wanted and (line["case"], rule) not in known_off
         ]
-        for line in pool.map(without, [case for case, _ in asked], [[rule] for _, rule in asked]):
+        for line in pool.map(without, [case for case, _ in asked], [rule for _, rule in asked]):
             _keep(off, line)
 
 

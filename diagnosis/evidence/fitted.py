@@ -144,6 +144,8 @@ class FittedModel:
         """Return the model with what it leaves of each half of a recording where the values that belong to the
         recording are fitted to the other half.
         """
+        if not own_shapes(self.model):
+            return self
         return replace(self, residuals=tuple(_by_halves(self.fit, one) for one in self.prepared.all))
 
     def on(self, prepared: Prepared) -> FittedModel:

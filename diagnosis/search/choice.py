@@ -47,14 +47,13 @@ def choose(
         wanted = [good[0], *(s for s in rivals if s.share >= context.rules.close * good[0].share)]
         near, alike = shortlist(context, extension, evidence, wanted)
         found = refitted(context, extension, evidence, near, alike)
-        if found is not None and found.added is not None and _beyond_chance(context, extension, found.added):
-            return Choice(found, failed)
-        failed |= {near[0].name if found is None or found.added is None else found.added.name}
+        chosen = near[0]
+        if found is not None and found.added is not None:
+            chosen = found.added
+            if chosen.significant or context.sure(context.tested(extension, chosen)):
+                return Choice(found, failed)
+        failed |= {chosen.name}
     return Choice(None, failed)
-
-
-def _beyond_chance(context: SearchContext, extension: Extension, score: Score) -> bool:
-    return score.significant or context.sure(context.tested(extension, score))
 
 
 def shortlist(
