@@ -21,6 +21,7 @@ from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.doubt import too_short
 from exoid.diagnosis.search.state import Extension
+from exoid.diagnosis.sureness import best_first
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
 from exoid.measurement.finding import Finding
@@ -106,12 +107,13 @@ def write_up(
     length = None if conclusion.outside else wanted_thigh_length(last.fitted.fit, prepared)
     power = _power(done) if conclusion.verdict == "adequate" else ()
     said = power_said(power, last.fitted.model.find_effect)
+    suspects = (_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution)
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
         sentence=f"{conclusion.sentence} {said}".rstrip(),
         accepted=accepted,
-        suspects=tuple(_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution),
+        suspects=tuple(best_first(suspects, lambda one: one.sureness, lambda one: one.explained_share)),
         steps=steps,
         noise_floor=prepared.noise_floor,
         unexplained=left,

@@ -31,6 +31,7 @@ from exoid.diagnosis.settings import DiscoveryOptions, DiscoverySettings
 from exoid.ground.progress import Progress, silent
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
+from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.effect import Effect
@@ -133,10 +134,19 @@ class Session:
                 each = self._fitted(key)
                 self._own_places[key[-1]] = places_pay(found, each, self.rules)
                 found = each if self._own_places[key[-1]] else found
-            self._fits[key] = found
-            for entry, column in zip(found.model.shapes, np.asarray(found.fit.shapes).T, strict=True):
-                self._shapes[entry.name] = column
+            self._keep(key, found)
         return self._fits[key]
+
+    def take(self, names: Names, fit: Fit) -> None:
+        """Take the model with these effects from a search that came to it; `fit.model` has them last, in this order."""
+        ends = fit.model.terms[len(fit.model.terms) - len(names) :]
+        self._own_places |= {term.name: term.own_places for term in ends if term.may_move}
+        self._keep(tuple(names), fitted_model(fit, self.prepared))
+
+    def _keep(self, names: tuple[str, ...], found: FittedModel) -> None:
+        self._fits[names] = found
+        for entry, column in zip(found.model.shapes, np.asarray(found.fit.shapes).T, strict=True):
+            self._shapes[entry.name] = column
 
     def _fitted(self, names: Names) -> FittedModel:
         model = self.with_effects(names)

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import RecordingError
+from exoid.workbench.page.answers import trial as trial_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,7 +59,7 @@ def error_of(workspace: Workspace, session: Session, index: int) -> bytes:
     head = {"recording": index, **_clock(_recording(session, index))}
     if now is not None:
         return packed({**head, "provisional": False}, {"error": now.residuals[index]})
-    trial = workspace.trials.get(names)
+    trial = trial_of(workspace, names)
     residuals = _on_whole(session, trial.residuals, index) if trial else session.fitted().residuals[index]
     return packed({**head, "provisional": True}, {"error": residuals})
 
