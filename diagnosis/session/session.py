@@ -28,9 +28,10 @@ from exoid.diagnosis.results import Diagnosis, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.session.ranking import Ranking
 from exoid.diagnosis.settings import DiscoveryOptions, DiscoverySettings
+from exoid.ground.calling import understood
 from exoid.ground.progress import Progress, silent
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.reading.given import Given, of_the_leg, question_of
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
@@ -41,6 +42,7 @@ from exoid.symbolic.motion import Float
 Names = Sequence[str]
 
 
+@understood()
 class Session:
     """What is known of recordings while somebody works with them; fits and rankings are kept.
 
@@ -48,6 +50,7 @@ class Session:
     is computed before it is asked for; errors are those of `prepare` and `identify`.
     """
 
+    @of_the_leg
     def __init__(
         self,
         model: Model,
