@@ -23,7 +23,7 @@ from exoid.workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
     from exoid.diagnosis.evidence.score import Score
-    from exoid.diagnosis.results import Diagnosis
+    from exoid.diagnosis.results import Accepted, Diagnosis
     from exoid.diagnosis.session.ranking import Ranking
     from exoid.diagnosis.session.session import Session
     from exoid.measurement.finding import Finding
@@ -81,7 +81,8 @@ def details(workspace: Workspace, name: str) -> dict[str, Any]:
     }
     if ranking is not None and score is not None:
         out["alike"] = list(ranking.alike(name))
-        out["numbers"] = _numbers(score)
+        found = answers.found(workspace, (*workspace.names, name))
+        out["numbers"] = _numbers(score) if found is None else _told_numbers(effect, found.accepted[-1])
         out["rms"] = answers.error(workspace, (*workspace.names, name))
     return plain_dict(out)
 
@@ -301,6 +302,12 @@ def _as_judged(suspect: dict[str, Any], judged: Diagnosis | None) -> dict[str, A
     return {**suspect, "sureness": ""} if said is None else {
         **suspect, "share": said.explained_share, "sureness": said.sureness
     }  # fmt: skip
+
+
+def _told_numbers(effect: Effect, accepted: Accepted) -> list[dict[str, Any]]:
+    """Return the numbers of an effect as the sentence of the answer names them."""
+    said = {k: number_said(effect, k, e.value, e.unit, 0.5 * (e.high - e.low)) for k, e in accepted.parameters.items()}
+    return [{"name": key, **picked(e, "unit value"), "said": said[key]} for key, e in accepted.parameters.items()]
 
 
 def _numbers(score: Score) -> list[dict[str, Any]]:

@@ -28,7 +28,9 @@ export function drawSuspects() {
     h("p", { class: "faint small", title: "what each would take away of the squared error of its own joints, on motion it was not fitted to", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
       chosen ? "Share of the selected error; " : "Share of the error on unseen motion; ", progress),
     h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
-    detailPanel(),
+    h("div", { class: "about", id: "about" },
+      h("div", { class: "split", "data-pane": "detail", role: "separator", "aria-orientation": "horizontal", "aria-label": "height of what is said of a suspect", tabindex: "0", id: "detail-edge" }),
+      detailPanel()),
   );
 }
 
