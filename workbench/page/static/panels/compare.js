@@ -56,9 +56,13 @@ export async function loadCompare() {
   redraw();
 }
 
+const added = () => view.state.layers.some((one) => one.on);
+const otherWord = () => (added() ? "before" : "after");
+
 async function loadOther(recording) {
-  const { verdict, layers: effects } = view.state;
-  const words = effects.some((one) => one.on) ? "before" : verdict.proposed && verdict.accepted.length > 0 ? "after" : "";
+  const { verdict } = view.state;
+  document.getElementById("word-after").textContent = otherWord();
+  const words = added() || (verdict.proposed && verdict.accepted.length > 0) ? otherWord() : "";
   const key = `${recording}|${words}|${words === "after" ? verdict.headline : ""}`;
   if (!words) other = null;
   else if (!other || other.key !== key) {
@@ -184,12 +188,12 @@ function head(recordings) {
 }
 
 function toggle(name) {
-  const words = { measured: "measured", model: "model", after: "before, after", band: "placebos" };
+  const words = { measured: "measured", model: "model", after: otherWord(), band: "placebos" };
   const box = h("input", { type: "checkbox", checked: layers[name], onchange: (event) => {
     layers = { ...layers, [name]: event.target.checked };
     redraw();
   } });
-  return h("label", { class: `key-${name}` }, box, ` ${words[name]}`);
+  return h("label", { class: `key-${name}` }, box, " ", h("span", { id: `word-${name}` }, words[name]));
 }
 
 function timePanels(joint, j) {
