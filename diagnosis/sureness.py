@@ -6,16 +6,13 @@ of the recordings agree, and whether something else does as well on these record
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import TypeVar
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import Threshold
-from exoid.ground.ties import ascending
 
-Ranked = TypeVar("Ranked")
 RARE = Threshold(0.002, "share of placebos that do as well, at most, where one is very sure: one in twenty is not rare")
 AGREEING = Threshold(0.9, "share of splits that agree where one is very sure: the next recording may say otherwise")
 VERY, FAIRLY, UNSURE = "very sure", "fairly sure", "cannot tell"
@@ -42,14 +39,6 @@ def least_sure(words: Iterable[str]) -> str:
     """Return the least sure of `words`; "" for none."""
     order = list(MEANINGS)
     return max(words, key=order.index, default="")
-
-
-def best_first(
-    suspects: Iterable[Ranked], word: Callable[[Ranked], str], share: Callable[[Ranked], float]
-) -> list[Ranked]:
-    """Return suspects in the order in which a person reads them: what is sure first, then the larger shares."""
-    ordered = ascending(suspects, lambda one: -share(one), 1.0)
-    return sorted(ordered, key=lambda one: word(one) not in (VERY, FAIRLY))
 
 
 def sureness(

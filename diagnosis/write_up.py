@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
+from typing import TypeVar
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.consistency import differing
@@ -21,7 +22,7 @@ from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.doubt import too_short
 from exoid.diagnosis.search.state import Extension
-from exoid.diagnosis.sureness import best_first
+from exoid.diagnosis.sureness import FAIRLY, VERY
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
 from exoid.measurement.finding import Finding
@@ -31,6 +32,8 @@ from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.term import Term
+
+Ranked = TypeVar("Ranked")
 
 
 def possible_beside(
@@ -156,6 +159,14 @@ def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
         return ()
     remedy = f"record at least {rules.least_seconds:g} s of motion to fit, in two recordings or more"
     return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, rules.least_seconds, remedy),)
+
+
+def best_first(
+    suspects: Iterable[Ranked], word: Callable[[Ranked], str], share: Callable[[Ranked], float]
+) -> list[Ranked]:
+    """Return suspects in the order in which a person reads them: what is sure first, then the larger shares."""
+    ordered = ascending(suspects, lambda one: -share(one), 1.0)
+    return sorted(ordered, key=lambda one: word(one) not in (VERY, FAIRLY))
 
 
 def _suspect(score: Score, accepted: dict[str, Accepted], steps: Sequence[Step], noise_floor: Float) -> Suspect:

@@ -28,11 +28,11 @@ def called(name: str, find: Callable[[str], Effect] = find_effect) -> str:
         return name
 
 
-def added_said(label: str, find: Callable[[str], Effect] = find_effect) -> str:
+def added_said(label: str, said: Callable[[str], str] = called) -> str:
     """Return "+ Stribeck friction at the hip" of a step "+ stribeck:hip"; of any other step its label."""
     if not label.startswith("+ "):
         return label
-    return " ".join(f"+ {called(name, find)}" for name in label.removeprefix("+ ").split(" + "))
+    return " ".join(f"+ {said(name)}" for name in label.removeprefix("+ ").split(" + "))
 
 
 def number_called(effect: Effect, key: str) -> str:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from exoid.diagnosis.evidence.fitted import pooled_rms
 from exoid.diagnosis.evidence.score import share_of_own_joints
-from exoid.diagnosis.sureness import MEANINGS, best_first
+from exoid.diagnosis.sureness import MEANINGS
+from exoid.diagnosis.write_up import best_first
 from exoid.ground.plain import picked, plain_dict
 from exoid.ground.text import printable
 from exoid.measurement.reading.sources import suffixes

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from exoid.symbolic.wording import added_said
 from exoid.workbench.report.material import Material
+from exoid.workbench.report.sections.verdict import title
 
 TITLE = "The falling error"
 ORDER = 20
@@ -18,7 +20,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     fall, kinds = material.fall, ("fitted", "unseen")
     if fall is None:
         return None
-    words = [added_said(step.label, material.model.find_effect) for step in fall.steps]
+    words = [added_said(step.label, partial(title, model=material.model)) for step in fall.steps]
     sizes = [[_of_joint(step, j) for j in range(len(fall.joints))] for step in fall.steps]
     return {
         "joints": [_bars(fall, j, words, [own[j] for own in sizes]) for j in range(len(fall.joints))],
