@@ -329,9 +329,10 @@ class Diagnosis(AsJson):
 
     def __repr__(self) -> str:
         lines = [f"{self.verdict}: {self.headline}", f"  {self.further}", f"  why: {self.rule}"]
-        for step in self.steps:
+        names = [added_said(step.label) for step in self.steps]
+        for step, name in zip(self.steps, names, strict=True):
             numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))
-            lines.append(f"  {added_said(step.label):<28} {step.judged} error [{self.unit}]: {numbers}")
+            lines.append(f"  {name:<{max(map(len, names))}}  {step.judged} error [{self.unit}]: {numbers}")
         lines += [f"  {self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
         lines += [f"  possible, {p.sentence}" for p in self.possible]
         return "\n".join(lines)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from exoid.diagnosis.evidence.fitted import pooled_rms
 from exoid.diagnosis.evidence.score import share_of_own_joints
+from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.diagnosis.write_up import best_first
 from exoid.ground.plain import picked, plain_dict
@@ -23,6 +25,7 @@ from exoid.workbench.page.given import VERIFY, error_json
 from exoid.workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
+    from exoid.diagnosis.evidence.fitted import FittedModel
     from exoid.diagnosis.evidence.score import Score
     from exoid.diagnosis.results import Accepted, Diagnosis
     from exoid.diagnosis.session.ranking import Ranking
@@ -152,6 +155,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         ],
         "filter": prepared.choice.reason,
         "audit": [_noted(workspace, f) for f in prepared.findings if f.severity != "info"],
+        "forces": [printable(one.sentence) for one in _forces(now or session.fitted())],
         "fitted": now is not None,
         "key": ",".join(names) if now is not None else f"{','.join(names)}?",
         "failed": None if names not in workspace.failed else error_json(workspace.failed[names]),
@@ -166,6 +170,12 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
             ),
         },
     }
+
+
+@lru_cache(maxsize=2)
+def _forces(now: FittedModel) -> tuple[ForceUse, ...]:
+    """Return what the measured forces of a fitted model are, once for all the times that the page asks."""
+    return force_uses(now)
 
 
 def _file_of(workspace: Workspace, recording: Recording) -> int | None:

@@ -48,6 +48,7 @@ export function drawVerdict() {
   refill(document.getElementById("history"), staircase());
   refill(document.getElementById("notes"), h("h2", { id: "notes-title" }, "Notes"),
     state.audit.length === 0 ? h("p", { class: "faint" }, "Nothing to note about the recordings.") : h("ul", { class: "notes" }, state.audit.map((text) => h("li", {}, text))),
+    state.forces.length > 0 && [h("h3", {}, "Measured forces"), h("ul", { class: "notes", "data-testid": "forces" }, state.forces.map((text) => h("li", {}, text)))],
     h("p", { class: "faint" }, `filter: ${state.filter}`));
 }
 
