@@ -43,6 +43,7 @@ export async function loadCompare() {
   }
   build();
   const { recording } = view;
+  document.getElementById("which").value = String(recording); // keys and links choose it too
   const [motion, error] = await Promise.all([motionOf(recording), errorOf(recording, state.key)]);
   if (recording !== view.recording) return;
   data = { recording, motion, error };
