@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -116,7 +115,7 @@ class Accepted(AsJson):
     def stability(self) -> str:
         """In how many splits of the recordings it is accepted, with which values; "" where none can tell."""
         units = {name: e.unit for name, e in self.parameters.items()}
-        return stability_of(self.agreement, units, self.against, partial(number_of, self.effect))
+        return stability_of(self.agreement, units, self.against, lambda key: number_of(f"{self.effect}.{key}"))
 
 
 @dataclass(frozen=True, eq=False)

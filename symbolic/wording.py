@@ -42,10 +42,11 @@ def number_called(effect: Effect, key: str) -> str:
     return told or key
 
 
-def number_of(id: str, key: str) -> str:
-    """Return the same of an effect by its id; the number's own name where the catalogue has no such effect."""
+def number_of(name: str) -> str:
+    """Return the same of "stribeck:hip.c"; the number's own name where the catalogue has no such effect."""
+    term, _, key = name.rpartition(".")
     try:
-        return number_called(find_effect(id), key)
+        return number_called(find_effect(term.partition(":")[0]), key)
     except EffectError:
         return key
 

@@ -23,7 +23,7 @@ EFFECT = Effect(
     },
     explains="The joint sticks when it starts or reverses, and runs freely once it moves.",
     tells_apart=(
-        "Slow motion through zero speed, many times, with and without load; a wide v_s needs fast motion as well."
+        "Slow motion through zero speed, many times, with and without load; fast motion as well where it fades late."
     ),
     reference=(
         "Armstrong-Hélouvry, Dupont, Canudas de Wit, A survey of models, analysis tools and compensation "

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from exoid.symbolic.wording import number_of
 from exoid.workbench.report.material import Material
 
 TITLE = "Parameters"
@@ -19,7 +20,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         return None
     labels = {p.name: getattr(p, "label", "") for p in fit.model.parameters}
     rows = [
-        (e.name, labels.get(e.name, "") or "–", float(e.value), e.unit, float(e.low), float(e.high))
+        (e.name, labels.get(e.name) or number_of(e.name), float(e.value), e.unit, float(e.low), float(e.high))
         for e in fit.estimates
     ]
     return {
