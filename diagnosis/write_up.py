@@ -22,7 +22,6 @@ from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.doubt import too_short
 from exoid.diagnosis.search.state import Extension
-from exoid.diagnosis.sureness import FAIRLY, VERY
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
 from exoid.measurement.finding import Finding
@@ -164,9 +163,11 @@ def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
 def best_first(
     suspects: Iterable[Ranked], word: Callable[[Ranked], str], share: Callable[[Ranked], float]
 ) -> list[Ranked]:
-    """Return suspects in the order in which a person reads them: what is sure first, then the larger shares."""
+    """Return suspects in the order in which a person reads them: what an answer has a `word` for first, then the larger
+    shares.
+    """
     ordered = ascending(suspects, lambda one: -share(one), 1.0)
-    return sorted(ordered, key=lambda one: word(one) not in (VERY, FAIRLY))
+    return sorted(ordered, key=lambda one: not word(one))
 
 
 def _suspect(score: Score, accepted: dict[str, Accepted], steps: Sequence[Step], noise_floor: Float) -> Suspect:
