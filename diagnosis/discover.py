@@ -32,7 +32,7 @@ from exoid.ground.engines.workers import once, with_copies
 from exoid.ground.progress import Progress, silent
 from exoid.ground.settings import spelt_out
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.reading.given import Given, of_the_leg, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -40,6 +40,7 @@ from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
 
 
+@of_the_leg
 @spelt_out(DiscoverySettings)
 def discover(
     model: Model | Fit,
@@ -202,6 +203,7 @@ def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTor
     return filtered(context.without(state.last, late).fitted, joints, rules)
 
 
+@of_the_leg
 @spelt_out(DiagnosisSettings)
 def diagnose(
     model: Model | Fit,
