@@ -132,10 +132,11 @@ class Case:
 
 def singles(model: Model | None = None) -> list[str]:
     """Return the name of every term of a machine (the leg) that its base model does not contain already."""
-    joints = (Model.standard() if model is None else model).joints
+    model = Model.standard() if model is None else model
+    joints = model.joints
     return [
         Term(effect, joint, joints).name
-        for effect in catalogue(joints).values()
+        for effect in catalogue(joints, model.wearer is not None).values()
         for joint in places_of(effect, joints)
         if joint not in effect.absorbed_on
     ]
