@@ -4,6 +4,8 @@ Then the model as it stands, with numbers fitted to the rest of the time alone (
 leaves noise there; what is left otherwise is far from noise, comes and goes in every recording, and is no function of
 the motion: neither with other numbers nor with smooth curves in angles and velocities is it predicted in a recording
 that was left out. A stop, a bump or another load in part of the time is one of these, and is the search's to find.
+What moves every joint as one force upwards on the last link would is the ground however well the motion predicts it:
+steps resemble each other, and soft ground is a spring at a height.
 """
 
 from __future__ import annotations
@@ -168,10 +170,12 @@ def _intermittent(base: FittedModel) -> Intermittent | None:
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
     rest = [view.tau - view.columns @ x for view in views]
-    if not _beyond_curves(views, rest, acts, float(np.sqrt(level))):
-        return None
     weight = [(sample * np.sqrt(0.5 * view.one.rate))[:, None] for view in views]
     own = [part * w for part, w in zip(rest, weight, strict=True)]
+    force = _force(base, views, own, acts)
+    grounded = force and np.all(_rms(views, rest, acts) > CLEAR * np.sqrt(level))
+    if not grounded and not _beyond_curves(views, rest, acts, float(np.sqrt(level))):
+        return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
     long = [(end - begin) / view.one.rate for view, each in zip(views, episodes, strict=True) for begin, end in each]
     apart = [np.diff([b for b, _ in each]) / view.one.rate for view, each in zip(views, episodes, strict=True)]
@@ -182,7 +186,7 @@ def _intermittent(base: FittedModel) -> Intermittent | None:
         torque=sizes[0],
         quiet=sizes[1],
         phase=_phase(base, views, episodes),
-        force=_force(base, views, own, acts),
+        force=force,
     )
 
 
