@@ -35,7 +35,7 @@ from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.motion import Float
 
 CLEAR = Threshold(
-    6.0,
+    3.0,
     "times the error of the quiet part, RMS, that three quarters of the other windows have: what is sometimes large "
     "and sometimes small has no quiet part",
 )
@@ -43,11 +43,6 @@ BEYOND = Threshold(
     0.3,
     "part of it, RMS, that curves and other numbers leave in a recording left out: a stop or a bump would be taken for "
     "contact",
-)
-FAR = Threshold(
-    15.0,
-    "times the error of the quiet part, RMS, that is as good as such a part: heavy contact whose strides are much "
-    "alike would be searched for effects",
 )
 TIMES = Threshold(3.0, "times that it comes and goes in half of the recordings: a load hung up once")
 ADVICE = (
@@ -62,8 +57,8 @@ LEAST = 0.1
 """Part of the windows that it must leave free, and that it must act in."""
 WORTH = 5.0
 """Times the noise that the error is, from which it is asked."""
-QUIET = 5.0
-"""Times the mean squared error of the quiet part, up to which a window belongs to it."""
+FAINT = 1e-3
+"""Part of the median error of a window that counts as none: logarithms have no zero."""
 PHASE = 0.7
 """Length of the mean direction of the phases in which it begins and ends, from which they are told."""
 KNOTS = 10
@@ -216,15 +211,25 @@ def _quiet_part(windows: Windows) -> tuple[Float, NDArray[np.bool_]] | None:
     if best is None:
         return None
     x, quiet = best.x, np.zeros(len(windows.power), dtype=bool)
-    level = float(np.median(best.losses[best.chosen]))
     for _ in range(20):
-        now = windows.losses(x) <= QUIET * level
+        now = _lower(windows.losses(x))
         if np.array_equal(now, quiet):
             break
         quiet = now
         x = windows.solved(np.flatnonzero(quiet), _solved)
-        level = float(np.median(windows.losses(x)[quiet]))
     return (x, quiet) if LEAST < quiet.mean() < 1.0 - LEAST else None
+
+
+def _lower(losses: Float) -> NDArray[np.bool_]:
+    """Return which of the `losses` (M,) are of the lower kind, if there are two kinds: each is as near as can be to its
+    own mean of logarithms (2-means, which along a line is found exactly). What is hidden in the machine makes the
+    error of the quiet part uneven; what pushes is of another size.
+    """
+    size = np.log(np.maximum(losses, FAINT * float(np.median(losses)) + 1e-300))
+    ordered, lower = np.sort(size), np.arange(1, len(size))
+    sums = np.cumsum(ordered)
+    between = sums[:-1] ** 2 / lower + (sums[-1] - sums[:-1]) ** 2 / (len(size) - lower)
+    return np.asarray(size <= ordered[index_of_greatest(between)])
 
 
 def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -261,7 +266,7 @@ def _beyond_curves(
     views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], quiet: float
 ) -> bool:
     """Whether smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
-    recordings, leave a good part of what acts at any joint, or far more than the error of the `quiet` part.
+    recordings, leave a good part of what acts at any joint, which is far from the error of the `quiet` part.
     """
     q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
     ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
@@ -283,8 +288,7 @@ def _beyond_curves(
             there = acts[k][view.seen[joint]]
             square, whole = square + float(np.sum(left[there] ** 2)), whole + float(np.sum(own[k][there] ** 2))
             count += int(there.sum())
-        clear = whole > count * (CLEAR * quiet) ** 2
-        if clear and square > min(BEYOND**2 * whole, count * (FAR * quiet) ** 2):
+        if whole > count * (CLEAR * quiet) ** 2 and square > BEYOND**2 * whole:
             return True
     return False
 

@@ -127,13 +127,22 @@ def test_a_light_foot_of_the_bench_is_suspected():
     assert 0.55 < found.share < 0.75 and 1.2 < found.period < 1.8 and "upwards" in found.force
 
 
-@pytest.mark.shows("intermittent.FAR")
-def test_heavy_contact_is_contact_although_its_strides_are_much_alike(walks, monkeypatch):
+def test_contact_is_contact_although_curves_in_the_motion_predict_it(walks, monkeypatch):
     base = fitted(walks)
-    monkeypatch.setattr(module, "BEYOND", 0.9)
+    monkeypatch.setattr(module, "BEYOND", 10.0)
     assert intermittent(base) is not None
-    monkeypatch.setattr(module, "FAR", 100.0)
+    monkeypatch.setattr(module, "_force", lambda *given: "")
     assert intermittent(base) is None
+
+
+def test_soft_ground_at_a_height_is_contact_although_it_is_a_function_of_the_angles():
+    def ground(one, rng):
+        height = 1.0 - 0.4 * np.cos(one.q[:, 0]) - 0.43 * np.cos(one.q.sum(axis=1))
+        push = 4000.0 * np.maximum(np.quantile(height, 0.45) - height, 0.0)
+        shin = 0.43 * np.sin(one.q.sum(axis=1))
+        return -push[:, None] * np.column_stack([0.4 * np.sin(one.q[:, 0]) + shin, shin])
+
+    assert "upwards" in intermittent(with_torque(ground)).force
 
 
 def test_a_hard_stop_is_no_contact():
