@@ -23,7 +23,8 @@ def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray |
     use = rng.uniform(size=(2, samples)) > 0.1
     motion = np.cumsum(rng.normal(size=(samples, 2)), axis=0)
     units = np.zeros(samples, int) if fold is None else fold
-    return RecordingEvidence(columns, residual, use, motion, 50.0, units, lambda s: np.arange(0, samples, int(50.0 * s)))
+    starts = lambda seconds: np.arange(0, samples, int(50.0 * seconds))  # noqa: E731
+    return RecordingEvidence(columns, residual, use, motion, 50.0, units, starts)
 
 
 def refit(blocks, extra, fit, held, sigma):

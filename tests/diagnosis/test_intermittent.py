@@ -73,11 +73,25 @@ def test_contact_is_no_convention(walks, monkeypatch):
     assert check_conventions(walks)
 
 
-def test_a_third_of_the_time_is_enough(walks, monkeypatch):
+def test_a_third_of_the_time_is_enough_although_the_search_begins_with_more(walks, monkeypatch):
     base = fitted(walks)
     assert intermittent(base) is not None
     monkeypatch.setattr(trimmed, "PART", 0.8)
+    assert intermittent(base) is not None
+
+
+@pytest.mark.shows("intermittent.GROUND")
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_push_at_one_joint_that_the_motion_predicts_is_no_ground(side, monkeypatch):
+    def bent(one, rng):
+        push = side * 30.0 * np.clip((one.q[:, 0] - 0.1) / 0.05, 0.0, 1.0) * (1.0 + 0.3 * np.sin(3.0 * one.q[:, 1]))
+        return np.column_stack([push, 0.0 * one.t])
+
+    base = with_torque(bent)
     assert intermittent(base) is None
+    monkeypatch.setattr(module, "GROUND", 0.0)
+    monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda base, noise: False)
+    print(side, intermittent(base))
 
 
 @pytest.mark.shows("intermittent.BEYOND")

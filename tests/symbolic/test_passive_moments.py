@@ -1,4 +1,4 @@
-"""Passive moments of hip and knee: the published curves, where a machine has them, and that they are found when hidden."""
+"""Passive moments of hip and knee: the published curves, which machines have them, and that hidden ones are found."""
 
 import math
 
