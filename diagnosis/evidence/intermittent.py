@@ -59,8 +59,8 @@ ADVICE = (
 """What to do about it."""
 WINDOW = 0.1
 """s, of a window."""
-LEAST = 0.1
-"""Part of the windows that it must leave free, and that it must act in."""
+LEAST, SELDOM = 0.1, 0.02
+"""Parts of the windows that it must leave free, and that it must act in."""
 WORTH = 5.0
 """Times the noise that the error is, from which it is asked."""
 QUIET = 5.0
@@ -221,7 +221,7 @@ def _quiet_part(windows: Windows) -> tuple[Float, NDArray[np.bool_]] | None:
         return None
     x, quiet = _settled(windows, best.x, _lower)
     x, quiet = _settled(windows, x, lambda losses: losses <= QUIET * np.median(losses[_lower(losses)]))
-    return (x, quiet) if LEAST < quiet.mean() < 1.0 - LEAST else None
+    return (x, quiet) if LEAST < quiet.mean() < 1.0 - SELDOM else None
 
 
 def _settled(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from exoid.diagnosis.evidence.fitted import pooled_rms
 from exoid.diagnosis.evidence.score import share_of_own_joints
+from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.ground.plain import picked, plain_dict
 from exoid.ground.text import printable
@@ -21,6 +22,7 @@ from exoid.workbench.page.given import VERIFY, error_json
 from exoid.workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
+    from exoid.diagnosis.evidence.fitted import FittedModel
     from exoid.diagnosis.evidence.score import Score
     from exoid.diagnosis.results import Diagnosis
     from exoid.diagnosis.session.ranking import Ranking
@@ -147,7 +149,10 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
             )
         ],
         "filter": prepared.choice.reason,
-        "audit": [_noted(workspace, f) for f in prepared.findings if f.severity != "info"],
+        "audit": [
+            *measured_forces(now or base),
+            *(_noted(workspace, f) for f in prepared.findings if f.severity != "info"),
+        ],
         "fitted": now is not None,
         "key": ",".join(names) if now is not None else f"{','.join(names)}?",
         "failed": None if names not in workspace.failed else error_json(workspace.failed[names]),
@@ -159,6 +164,11 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
             "suspects": sorted((_as_judged(_suspect(ranking, one), judged) for one in ranking.scores), key=_best_first),
         },
     }
+
+
+def measured_forces(fitted: FittedModel) -> list[str]:
+    """Return what is said of each measured force of a fitted model: where it acts, and what torque it makes."""
+    return [f"measured force: {printable(force.sentence)}" for force in force_uses(fitted)]
 
 
 def _file_of(workspace: Workspace, recording: Recording) -> int | None:
