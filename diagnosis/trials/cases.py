@@ -76,7 +76,7 @@ SENSIBLE, SENSIBLE_SHARE = 10.0, 0.3
 """Times its typical size, and share of the torque of the machine, that an effect has at most where it is no leg's: what
 would have to be larger to be seen is not hidden there."""
 SHOWN_SUSPECTS = 6
-GROWN = 8
+GROWN = 3
 """Times that an effect is made half as large again, until it shows on a motion of its own."""
 
 

@@ -16,6 +16,9 @@ from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.bench.walk import Walk
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
 from tests.walking import on_the_ground, walked
 
@@ -162,3 +165,18 @@ def test_soft_ground_at_a_height_is_contact_although_it_is_a_function_of_the_ang
 def test_a_hard_stop_is_no_contact():
     base = with_torque(lambda one, rng: np.outer(1000.0 * np.maximum(one.q[:, 0] - 0.45, 0.0), (1.0, 0.0)))
     assert intermittent(base) is None
+
+
+def test_three_joints_tell_where_the_foot_is():
+    model = Model("leg with ankle", joints=tuple(Joint(name, length=0.4) for name in ("hip", "knee", "ankle")))
+    at, out = Force("ground", "ankle", ("grf_x", "grf_z")), []
+    for index, run in enumerate(simulate_runs(3, model, seed=2, bench=Bench(duration=20.0))):
+        one, rng = run.recording, np.random.default_rng(index)
+        begins = np.arange(1.0, 19.0, 1.5) + rng.uniform(0.0, 0.3, 12)
+        part = np.clip((one.t[:, None] - begins) / 0.8, 0.0, 1.0)
+        force = np.column_stack([0.0 * one.t, (np.sin(np.pi * part) * rng.uniform(100.0, 200.0, 12)).sum(axis=1)])
+        pushed = pushed_torques(placed_joints(model), one.q, at, 0.12, force)
+        out.append(replace(one, tau=one.tau + pushed))
+    prepared = prepare(model, out[:-1], out[-1:])
+    found = intermittent(fitted_model(identify(model, prepared.train, optimisers=()), prepared))
+    assert "0.12 m along" in found.force and "upwards" in found.force
