@@ -226,9 +226,8 @@ def _block(
     raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
     columns = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
     smooth = one.smooth_columns(np.concatenate(columns, axis=2))
-    samples = smooth.shape[1]
-    fold = np.arange(samples) * parts // samples
-    return RecordingEvidence(smooth, residual, one.used, one.motion.q[one.kept], one.kept_rate, fold)
+    path = one.motion.q[one.kept]
+    return RecordingEvidence(smooth, residual, one.used, path, one.kept_rate, one.parts(parts), one.starts)
 
 
 def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:

@@ -234,6 +234,17 @@ class PreparedRecording:
             return self.strides.starts(len(self.kept))
         return np.arange(0, len(self.kept), max(1, int(seconds * self.kept_rate)))
 
+    def parts(self, count: int) -> np.ndarray:
+        """Return of every kept sample (K,) in which of `count` about equal parts it is, of whole strides where its
+        motion has them: fewer where these are few.
+        """
+        samples = len(self.kept)
+        ends = -(-np.arange(1, count) * samples // count)
+        if count > 1 and self.strides is not None:
+            starts = self.strides.starts(samples)[1:]
+            ends = np.unique(starts[np.abs(starts[:, None] - ends).argmin(axis=0)])
+        return np.searchsorted(ends, np.arange(samples), side="right")
+
     @property
     def t(self) -> Float:
         """Time of the kept samples (K,), s."""

@@ -161,7 +161,8 @@ def test_no_placebo_of_a_block_is_nearly_the_column() -> None:
             return np.full(size, low)
 
     draws, use = Draws(), np.ones((1, 100), bool)
-    block = RecordingEvidence(np.ones((1, 100, 1)), np.ones((1, 100)), use, use.T, 10.0, np.zeros(100))
+    units, ones = np.zeros(100), np.ones((1, 100))
+    block = RecordingEvidence(ones[:, :, None], ones, use, use.T, 10.0, units, lambda _: np.zeros(1, int))
     placebos(np.ones((1, 1, 100)), np.ones((1, 100)), block, np.ones(1), 3, draws)
     assert draws.range == (10, 90)
 
