@@ -15,7 +15,8 @@ from exoid.diagnosis.watching.estimator import (
     Estimator,
     constants,
 )
-from exoid.diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, filled
+from exoid.diagnosis.watching.encoder_noise import DIFFERENCE, MIDDLE, following
+from exoid.diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, SPREADING, filled
 from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
 from exoid.diagnosis.watching.window import LEAST_WEIGHT
 from exoid.ground.text import in_comment
@@ -56,6 +57,8 @@ def write_updater(
     joints, count = len(model.joints), len(model.parameters)
     values = {
         "FIELDS": FIELDS.rstrip(), "ESTIMATION": ESTIMATION, "FORGETTING": FORGETTING,
+        "SPREADING": SPREADING, "DIFFERENCE": _list(DIFFERENCE), "QUIET": repr(MIDDLE * float(DIFFERENCE @ DIFFERENCE)),
+        "LISTEN": repr(following(filters.rate)), "ROUGH": repr(filters.roughness),
         "TYPE": f"{name}_updater", "name": name, "guard": f"{name}_updater_h".upper(),
         "J": joints, "P": count, "W": count + 2, "MODEL": in_comment(model.name),
         "NAMES": ", ".join(f"{k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)),
@@ -123,7 +126,7 @@ def _operations(function: Any, joints: int, count: int, filters: Filters) -> str
     """Return how much a period takes, in words; counted, not measured."""
     always = 2 * joints * ORDER * 3 + joints * (2 * HALF + 1) ** 2
     working = function.n_instructions() + joints * (count + 2) * COMMON_ORDER * 3
-    kept = joints * 6 * count**2 + count**3 // 3 + 10 * count**3 + 4 * count**2
+    kept = joints * (6 + 3 * joints) * count**2 + count**3 // 3 + 16 * count**3 + 14 * count**2
     return (
         f"about {always} operations in every period, {working} more in every {_nth(filters.factor)}, and {kept} more "
         f"in every {_nth(filters.factor * filters.stride)}"

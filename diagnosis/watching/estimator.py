@@ -12,6 +12,11 @@ What is known to have changed is forgotten at once (`forget`): as if it had move
 last sample, the time update of the same filter. What was learnt about the other numbers stays, as far as it does not
 rest on it.
 
+Noise of the angles is in the columns too, and pulls numbers towards zero where the motion is small (errors in
+variables). How much information it feigns is known from its size and from the filters; the numbers and their scores are
+corrected for that (Fuller, Measurement Error Models, 1987; Nakamura 1990), by the first terms of a series, which cannot
+run away where the motion tells less than the noise.
+
 Intervals are those of sums of scores over blocks of time, longer than residuals remember (the sandwich of
 `exoid.optimisation.linear.uncertainty`, in recursive form), with Student's quantile for as many blocks as are
 remembered of each parameter.
@@ -40,6 +45,8 @@ CREDIT = Threshold(20.0, "samples' worth of forgetting that may be saved up: a l
 LEAST_BLOCKS = Threshold(4.0, "blocks remembered before an interval is reported: a scatter of two or three is chance")
 
 
+TERMS = 3
+"""Terms of the correction for noise in the columns; what is left is its share of the information to the fourth."""
 FORGOTTEN, FORGOTTEN_LEAST = 1.0, 0.1
 """A number that is forgotten is known to this part of itself, and to no less than this in its unit."""
 
@@ -60,7 +67,7 @@ def constants(estimator: Estimator) -> dict[str, Any]:
     """Return what the C text names, {key: text}."""
     return {
         "P": estimator.linear.size, "J": len(estimator.unit), "ROBUST": repr(ROBUST), "CREDIT": repr(CREDIT),
-        "BLOCK": estimator.block, "FOLLOW": repr(estimator.follow),
+        "BLOCK": estimator.block, "FOLLOW": repr(estimator.follow), "TERMS": TERMS,
     }  # fmt: skip
 
 
@@ -87,6 +94,8 @@ class Estimator:
     credit: Float = field(init=False)
     score: Float = field(init=False)
     meat: Float = field(init=False)
+    feigned: Float = field(init=False)
+    """The part (P, P) of the information that noise of the angles makes up."""
     blocks: Float = field(init=False)
     inside: int = 0
 
@@ -94,7 +103,7 @@ class Estimator:
         count = self.linear.size
         self.scale = list(self.unit)
         self.credit, self.score, self.blocks = np.zeros(count), np.zeros(count), np.zeros(count)
-        self.meat = np.zeros((count, count))
+        self.meat, self.feigned = np.zeros((count, count)), np.zeros((count, count))
 
     @classmethod
     def start(
@@ -112,19 +121,29 @@ class Estimator:
             np.diag(1.0 / spread), linear / spread, np.array(linear, dtype=float), spread**2,
         )  # fmt: skip
 
-    def step(self, columns: Float, tau: Float, use: Sequence[bool] | np.ndarray) -> None:
-        """Take one sample: `columns` (J, P), torque (J,) N·m and which joints can be used."""
+    def step(
+        self, columns: Float, tau: Float, use: Sequence[bool] | np.ndarray, errors: Float | None = None
+    ) -> None:
+        """Take one sample: `columns` (J, P), torque (J,) N·m and which joints can be used; `errors` (J, A, P) is what
+        one standard deviation of the noise of each of A angles makes of the columns.
+        """
         used = [j for j in range(len(tau)) if use[j]]
         if not used:
             return
         columns, tau = columns[used], tau[used]
+        noise = np.zeros((len(used), 0, columns.shape[1])) if errors is None else errors[used]
         left = (tau - columns @ self.linear).tolist()
         weights = [self._weight(j, value) for j, value in zip(used, left, strict=True)]
         for j, value in zip(used, left, strict=True):
             most = min(value**2, (3.0 * self.scale[j]) ** 2)
             self.scale[j] = math.sqrt(self.scale[j] ** 2 + self.follow * (most - self.scale[j] ** 2))
         inverse = self._rotate(np.column_stack([columns, tau]) * np.sqrt(weights)[:, None])
-        self.linear = inverse @ self.right
+        if noise.size:
+            self.feigned += np.einsum("j,jap,jaq->pq", weights, noise, noise)
+        plain = inverse @ self.right
+        self.linear = plain
+        for _ in range(TERMS):
+            self.linear = plain + inverse @ (inverse.T @ (self.feigned @ self.linear))
         variance = np.einsum("kp,kp->k", inverse, inverse)
         gain = np.maximum(1.0 - variance / self.variance, 0.0)
         credit = np.minimum(self.credit + gain, CREDIT * self.pace)
@@ -134,8 +153,10 @@ class Estimator:
         for k in np.flatnonzero(lost > 0.0):
             self._moved(int(k), math.sqrt(self.variance[k] * lost[k]))
         left = (tau - columns @ self.linear).tolist()
-        pull = [self._weight(j, value) * value for j, value in zip(used, left, strict=True)]
-        self.score = self.score + pull @ columns
+        weights = [self._weight(j, value) for j, value in zip(used, left, strict=True)]
+        self.score = self.score + np.array(weights) * left @ columns
+        if noise.size:
+            self.score += np.einsum("j,jap,ja->p", weights, noise, noise @ self.linear)
         self.blocks = self.blocks * (1.0 - lost) ** 2
         self.inside += 1
         if self.inside == self.block:
@@ -144,17 +165,21 @@ class Estimator:
             self.inside = 0
             self.blocks = self.blocks + 1.0
 
-    def steps(self, columns: Float, tau: Float, use: np.ndarray) -> None:
-        """Take samples in a row: `columns` (N, J, P), torque (N, J) N·m and `use` (N, J); compiled where that works."""
+    def steps(self, columns: Float, tau: Float, use: np.ndarray, errors: Float | None = None) -> None:
+        """Take samples in a row: `columns` (N, J, P), torque (N, J) N·m, `use` (N, J) and `errors` (N, J, J, P), as
+        `step` does; compiled where that works.
+        """
+        if errors is None:
+            errors = np.zeros((*columns.shape[:2], *columns.shape[1:]))
         compiled = kernel(constants(self))
         if compiled is None:
-            for row, value, usable in zip(columns, tau, use, strict=True):
-                self.step(row, value, usable)
+            for row, value, usable, noise in zip(columns, tau, use, errors, strict=True):
+                self.step(row, value, usable, noise)
             return
         state = np.zeros((), layout(self.linear.size, len(self.unit)))
         for name in state.dtype.names or ():
             state[name] = getattr(self, name)
-        kinds = ((columns, float), (tau, float), (use, np.intc))
+        kinds = ((columns, float), (tau, float), (use, np.intc), (errors, float))
         given = [np.ascontiguousarray(values, kind) for values, kind in kinds]
         compiled(state.ctypes.data_as(c_void_p), c_long(len(tau)), *(x.ctypes.data_as(c_void_p) for x in given))
         for name in state.dtype.names or ():
@@ -193,7 +218,7 @@ class Estimator:
             np.append(self.right, values / spread), np.append(self.linear, values), np.append(self.variance, spread**2),
         )  # fmt: skip
         out.root[:count, :count], out.scale, out.inside = self.root, list(self.scale), self.inside
-        out.meat[:count, :count] = self.meat
+        out.meat[:count, :count], out.feigned[:count, :count] = self.meat, self.feigned
         out.meat[range(count, count + more), range(count, count + more)] = 1.0 / spread**2
         for name in ("credit", "score", "blocks"):
             getattr(out, name)[:count] = getattr(self, name)
@@ -209,6 +234,7 @@ class Estimator:
         self.score = self.score - column * (self.score[k] / whole)
         left = np.eye(column.size)
         left[:, k] -= column / whole
+        self.feigned = left @ self.feigned @ left.T
         self.meat = left @ self.meat @ left.T + (np.outer(column, column) / (whole * size) ** 2 if known else 0.0)
         self._step_of(k, size)
 
@@ -226,8 +252,10 @@ class Estimator:
     def covariance(self) -> Float:
         """Return the covariance (P, P) of the parameters, valid under autocorrelation."""
         inverse = np.linalg.inv(self.root)
-        bread = inverse @ inverse.T
-        return np.asarray(bread @ self.meat @ bread)
+        bread = plain = inverse @ inverse.T
+        for _ in range(TERMS):
+            bread = plain + plain @ self.feigned @ bread
+        return np.asarray(bread @ self.meat @ bread.T)
 
     def estimates(self) -> tuple[Estimate, ...]:
         """Return the parameters with their 95 % intervals; infinite where too little has been seen to tell."""

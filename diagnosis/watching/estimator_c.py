@@ -23,7 +23,7 @@ def layout(count: int, joints: int) -> np.dtype[Any]:
     """Return `FIELDS` as NumPy sees them, for `count` parameters."""
     p, j, square = (count,), (joints,), (count, count)
     shapes = {"linear": p, "variance": p, "root": square, "right": p, "credit": p, "score": p, "meat": square,
-              "pace": p, "blocks": p, "scale": j, "unit": j}  # fmt: skip
+              "pace": p, "blocks": p, "feigned": square, "scale": j, "unit": j}  # fmt: skip
     return np.dtype([*((name, "f8", shape) for name, shape in shapes.items()), ("inside", np.intc)], align=True)
 
 
@@ -42,6 +42,7 @@ FIELDS = """  double linear[@P@];   /* the numbers as they are now */
   double variance[@P@]; /* as white noise of the first scale would have it, not valid for intervals */
   double root[@P@][@P@], right[@P@], credit[@P@], score[@P@], meat[@P@][@P@], pace[@P@];
   double blocks[@P@];   /* remembered of each number, in blocks of its intervals */
+  double feigned[@P@][@P@]; /* the part of the information that noise of the angles makes up */
   double scale[@J@], unit[@J@];
   int inside;
 """
@@ -54,9 +55,11 @@ typedef struct @TYPE@ {
 @FIELDS@} @TYPE@;
 
 @ESTIMATION@
-void exoid_estimate(@TYPE@ *u, long count, double *columns, const double *tau, const int *use) {
+void exoid_estimate(@TYPE@ *u, long count, double *columns, const double *tau, const int *use, double *errors) {
   long k;
-  for (k = 0; k < count; ++k) estimate(u, (double(*)[P])(columns + k * J * P), tau + k * J, use + k * J);
+  for (k = 0; k < count; ++k)
+    estimate(u, (double(*)[P])(columns + k * J * P), tau + k * J, use + k * J,
+             (double(*)[J][P])(errors + k * J * J * P));
 }
 """
 
@@ -100,6 +103,19 @@ static void invert(const double root[P][P], double inverse[P][P]) {
   }
 }
 
+/* Adds what noise of the angles makes of the columns, times numbers, or (linear 0) to the information it makes up. */
+static void moments(@TYPE@ *u, double errors[J][P], double weight, const double *linear) {
+  int a, k, m;
+  for (a = 0; a < J; ++a) {
+    double size = 0.0;
+    for (k = 0; linear && k < P; ++k) size += errors[a][k] * linear[k];
+    for (k = 0; k < P; ++k) {
+      if (linear) u->score[k] += weight * errors[a][k] * size;
+      for (m = 0; !linear && m < P; ++m) u->feigned[k][m] += weight * errors[a][k] * errors[a][m];
+    }
+  }
+}
+
 /* As if number k had moved by a step of this size since the last sample; `known` where it has, and its size counts. */
 static void moved(@TYPE@ *u, int k, double size, int known) {
   double column[P], shifted[P][P], step[P], step_right = 0.0, lead = 1.0 / size, whole, own;
@@ -111,6 +127,10 @@ static void moved(@TYPE@ *u, int k, double size, int known) {
   whole = 1.0 / (size * size) + column[k];
   own = u->score[k] / whole;
   for (i = 0; i < P; ++i) u->score[i] -= column[i] * own;
+  for (i = 0; i < P; ++i)
+    for (m = 0; m < P; ++m) shifted[i][m] = u->feigned[i][m] - column[i] * u->feigned[k][m] / whole;
+  for (i = 0; i < P; ++i)
+    for (m = 0; m < P; ++m) u->feigned[i][m] = shifted[i][m] - shifted[i][k] * column[m] / whole;
   for (i = 0; i < P; ++i)
     for (m = 0; m < P; ++m) shifted[i][m] = u->meat[i][m] - column[i] * u->meat[k][m] / whole;
   own = known ? 1.0 / (whole * size * whole * size) : 0.0;
@@ -131,15 +151,17 @@ static void moved(@TYPE@ *u, int k, double size, int known) {
   }
 }
 
-static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const int use[J]) {
-  double inverse[P][P], lost[P];
-  int j, k, m, any = 0;
+static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const int use[J], double errors[J][J][P]) {
+  double inverse[P][P], lost[P], plain[P], rest[P];
+  int i, j, k, m, any = 0;
   for (j = 0; j < J; ++j) {
-    double left = tau[j], most, square;
+    double left = tau[j], most, square, weight;
     if (!use[j]) continue;
     any = 1;
     for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
-    rotate(u, columns[j], tau[j], sqrt(weight_of(u, j, left)));
+    weight = weight_of(u, j, left);
+    rotate(u, columns[j], tau[j], sqrt(weight));
+    moments(u, errors[j], weight, 0);
     square = u->scale[j] * u->scale[j];
     most = left * left < 9.0 * square ? left * left : 9.0 * square;
     u->scale[j] = sqrt(square + @FOLLOW@ * (most - square));
@@ -152,7 +174,7 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
       value += inverse[k][m] * u->right[m];
       variance += inverse[k][m] * inverse[k][m];
     }
-    u->linear[k] = value;
+    u->linear[k] = plain[k] = value;
     gain = 1.0 - variance / u->variance[k];
     gain = gain < 0.0 ? 0.0 : gain > 1.0 ? 1.0 : gain;
     u->credit[k] = u->credit[k] + gain < most ? u->credit[k] + gain : most;
@@ -161,14 +183,30 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
     u->blocks[k] *= (1.0 - lost[k]) * (1.0 - lost[k]);
     u->variance[k] = variance / (1.0 - lost[k]);
   }
+  for (i = 0; i < @TERMS@; ++i) {
+    double back[P];
+    for (k = 0; k < P; ++k) {
+      rest[k] = 0.0;
+      for (m = 0; m < P; ++m) rest[k] += u->feigned[k][m] * u->linear[m];
+    }
+    for (k = 0; k < P; ++k) {
+      back[k] = 0.0;
+      for (m = 0; m <= k; ++m) back[k] += inverse[m][k] * rest[m];
+    }
+    for (k = 0; k < P; ++k) {
+      u->linear[k] = plain[k];
+      for (m = k; m < P; ++m) u->linear[k] += inverse[k][m] * back[m];
+    }
+  }
   for (k = 0; k < P; ++k)
     if (lost[k] > 0.0) moved(u, k, sqrt(u->variance[k] * lost[k]), 0);
   for (j = 0; j < J; ++j) {
-    double left = tau[j];
+    double left = tau[j], weight;
     if (!use[j]) continue;
     for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
-    left *= weight_of(u, j, left);
-    for (k = 0; k < P; ++k) u->score[k] += left * columns[j][k];
+    weight = weight_of(u, j, left);
+    for (k = 0; k < P; ++k) u->score[k] += weight * left * columns[j][k];
+    moments(u, errors[j], weight, u->linear);
   }
   if (++u->inside == @BLOCK@) {
     for (k = 0; k < P; ++k)
@@ -197,6 +235,33 @@ static void forget(@TYPE@ *u, const int which[P]) {
   for (k = 0; k < P; ++k) {
     u->variance[k] = 0.0;
     for (m = k; m < P; ++m) u->variance[k] += inverse[k][m] * inverse[k][m];
+  }
+}
+"""
+
+SPREADING = """/* bread = inverse inverse' + ... : the inverse of the information without what noise of the angles makes up. */
+static void correct(const @TYPE@ *u, double inverse[P][P], double bread[P][P]) {
+  double plain[P][P], step[P][P], next[P][P];
+  int i, k, m, n;
+  for (k = 0; k < P; ++k)
+    for (m = 0; m < P; ++m) {
+      plain[k][m] = 0.0;
+      for (n = k > m ? k : m; n < P; ++n) plain[k][m] += inverse[k][n] * inverse[m][n];
+      bread[k][m] = plain[k][m];
+    }
+  for (k = 0; k < P; ++k)
+    for (m = 0; m < P; ++m) {
+      step[k][m] = 0.0;
+      for (n = 0; n < P; ++n) step[k][m] += plain[k][n] * u->feigned[n][m];
+    }
+  for (i = 0; i < @TERMS@; ++i) {
+    for (k = 0; k < P; ++k)
+      for (m = 0; m < P; ++m) {
+        next[k][m] = plain[k][m];
+        for (n = 0; n < P; ++n) next[k][m] += step[k][n] * bread[n][m];
+      }
+    for (k = 0; k < P; ++k)
+      for (m = 0; m < P; ++m) bread[k][m] = next[k][m];
   }
 }
 """

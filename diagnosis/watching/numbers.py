@@ -18,7 +18,7 @@ from exoid.diagnosis.watching.course import Onset
 from exoid.diagnosis.watching.estimator import Estimator, Pace
 from exoid.diagnosis.watching.questions import LOAD, Acting
 from exoid.diagnosis.watching.result import ChangeFound
-from exoid.diagnosis.watching.window import Window
+from exoid.diagnosis.watching.window import Window, column_errors
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
@@ -92,7 +92,10 @@ class FollowedNumbers:
         own = base[:, :, : len(self.now.model.parameters)]
         columns = [own, *(acting.columns(one, base, self.now) * acting.size for acting in self.followed)]
         whole: Float = np.moveaxis(np.concatenate(columns, axis=2), 0, 1)
-        self.estimator.steps(whole, (one.torque - self._known(one)).T, one.used.T)
+        noise = column_errors(self.now.model, one.motion.q[one.kept], one.rough, self.now.shape)
+        followed = whole.shape[2] - noise.shape[3]
+        errors = np.pad(noise, ((0, 0), (0, 0), (0, 0), (0, followed)))  # of what came since, nothing is said
+        self.estimator.steps(whole, (one.torque - self._known(one)).T, one.used.T, errors)
 
     def _known(self, one: Window) -> Float:
         """Return the torque (J, K) that measured forces ask for without a number."""

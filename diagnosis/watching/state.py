@@ -39,7 +39,7 @@ SAME_RATE = 1e-3
 """How far the rate of a stream may be from that of the one before, relative to it."""
 EVER = Onset.at(-1e300)
 """When what an earlier watch saw began: before this one."""
-OF_ESTIMATOR = ("root", "right", "linear", "variance", "credit", "score", "meat", "blocks", "scale")
+OF_ESTIMATOR = ("root", "right", "linear", "variance", "credit", "score", "meat", "blocks", "scale", "feigned")
 PARTS = ("t", "q", "dq", "ddq", "tau", "good")
 """Of a window: what its samples are made of, forces apart."""
 OF_CHANGE = ("name", "kind", "share", "p_value")
@@ -136,7 +136,7 @@ class WatchState:
         later = end - max(float(self.arrays[f"window{k}.t"][-1]) for k in range(len(self.about["lead"])))
         for k, lead in enumerate(self.about["lead"]):
             t, *parts = (self.arrays[f"window{k}.{name}"] for name in PARTS)
-            parts.append(self.arrays.get(f"window{k}.force", np.zeros((len(t), 0))))
+            parts += [self.arrays.get(f"window{k}.force", np.zeros((len(t), 0))), np.zeros_like(parts[0])]
             one = window(f"learnt {k}", Samples(t + later, *parts), lead, filters)
             found.append(replace(one, torque=self.arrays[f"window{k}.torque"]))
         return tuple(found)
@@ -149,12 +149,13 @@ class WatchState:
     def numbers(self, fresh: Estimator, usual: Usual) -> FollowedNumbers:
         """Return the numbers as they were followed; `fresh` is an estimator that knows nothing yet."""
         about = self.about
-        values = {name: self.arrays[f"estimator.{name}"].copy() for name in OF_ESTIMATOR}
+        none = np.zeros((len(about["numbers"]), len(about["numbers"])))  # in files of earlier versions
+        values = {name: self.arrays.get(f"estimator.{name}", none).copy() for name in OF_ESTIMATOR}
         made = Estimator(
             tuple(about["numbers"]), tuple(about["units"]), np.array(about["pace"]), fresh.block, fresh.follow,
             fresh.unit, values["root"], values["right"], values["linear"], values["variance"],
         )  # fmt: skip
-        for name in ("credit", "score", "meat", "blocks"):
+        for name in ("credit", "score", "meat", "blocks", "feigned"):
             setattr(made, name, values[name])
         made.scale, made.inside = values["scale"].tolist(), about["inside"]
         return FollowedNumbers(made, usual.now, tuple(_acting(one, usual) for one in about["followed"]))

@@ -134,12 +134,12 @@ def test_no_motion_is_made_up_across_a_long_hole(seconds: float, restarts: int) 
 
 
 @pytest.mark.shows("window.LEAST_WEIGHT")
-@pytest.mark.parametrize(("every", "used"), [(2, True), (5, False)])
+@pytest.mark.parametrize(("every", "used"), [(20, True), (4, False)])
 def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
     one = FrontEnd(2)
     made = one.push(stream())
     assert one.filters is not None
-    good = np.repeat((np.arange(len(made)) % every == 0)[:, None], 2, axis=1).astype(float)
+    good = np.repeat((np.arange(len(made)) % every != 0)[:, None], 2, axis=1).astype(float)
     seen = window("w", replace(made, good=good), one.filters.settled, one.filters).used
     assert bool(seen.all()) is used and bool(seen.any()) is used
 
