@@ -175,11 +175,12 @@ def summed_up(lines: list[dict]) -> dict:
         seen = [r for r in some if r["delay"] is not None]
         named = [r for r in seen if r["delay_name"] is not None]
         since = [r["since"] for r in named if r["since"]]
+        words = [r["delay_word"] for r in some if r.get("delay_word") is not None]
         out[name] = {
             "runs": len(some), "detected": len(seen), "named": len(named), "right": sum(r["right"] for r in named),
             "exact": sum(r["exact"] for r in named), "first_right": sum(r["first_right"] for r in named),
             "look_alikes": float(np.median([len(r["alike"]) for r in named])) if named else None,
-            "median_delay_word": float(np.median([r["delay_word"] for r in some if r["delay_word"] is not None] or [np.nan])),
+            "median_delay_word": float(np.median(words)) if words else None,
             "median_delay": float(np.median([r["delay"] for r in seen])) if seen else None,
             "median_delay_name": float(np.median([r["delay_name"] for r in named])) if named else None,
             "false": sum(r["false"] for r in some), "hours_before": sum(r["seconds_before"] for r in some) / HOUR,

@@ -7,6 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from exoid.diagnosis.watching.encoder_noise import DIFFERENCE, MIDDLE, following
 from exoid.diagnosis.watching.estimator import (
     FORGOTTEN,
     FORGOTTEN_LEAST,
@@ -15,7 +16,6 @@ from exoid.diagnosis.watching.estimator import (
     Estimator,
     constants,
 )
-from exoid.diagnosis.watching.encoder_noise import DIFFERENCE, MIDDLE, following
 from exoid.diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, SPREADING, filled
 from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
 from exoid.diagnosis.watching.window import LEAST_WEIGHT

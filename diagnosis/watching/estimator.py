@@ -3,10 +3,12 @@
 The information is kept as a triangle R with right side z, R θ = z; a new sample is rotated into it (Bierman,
 Factorization Methods for Discrete Sequential Estimation, 1977). A parameter forgets only what new samples have taught
 about *it*: by how much its variance has fallen is credited, and forgetting spends the credit, at most at its own pace.
-Without excitation nothing is learnt and nothing forgotten, so nothing winds up. A number is forgotten as if it had
-moved by a small step of its own: to let go of a share of all that is known of it would turn sums that are known well
-into other sums, sample after sample, which together tell what no sample has told. Samples are weighted by their
-residual (Huber 1964), in units of a scale that follows within seconds: a burst passes by, a change does not.
+Without excitation nothing is learnt and nothing forgotten, so nothing winds up. Numbers are forgotten as if they had
+moved by a small step, which is correlated as what is known of them is: sums that are known well stay so as long as
+others do. (With a step of its own for each number such sums last for a second only, and what is learnt beside them
+seems certain; to let go of a share of all that is known of each turns them into other sums, which no sample has told.)
+Samples are weighted by their residual (Huber 1964), in units of a scale that follows within seconds: a burst passes by,
+a change does not.
 
 What is known to have changed is forgotten at once (`forget`): as if it had moved by a step of unknown size since the
 last sample, the time update of the same filter. What was learnt about the other numbers stays, as far as it does not
@@ -150,13 +152,12 @@ class Estimator:
         lost = np.minimum(self.pace, credit)
         self.credit = credit - lost
         self.variance = variance / (1.0 - lost)
-        for k in np.flatnonzero(lost > 0.0):
-            self._moved(int(k), math.sqrt(self.variance[k] * lost[k]))
+        if lost.any():
+            self._moved(np.sqrt(lost / (1.0 - lost))[:, None] * inverse, inverse)
         left = (tau - columns @ self.linear).tolist()
         weights = [self._weight(j, value) for j, value in zip(used, left, strict=True)]
-        self.score = self.score + np.array(weights) * left @ columns
-        if noise.size:
-            self.score += np.einsum("j,jap,ja->p", weights, noise, noise @ self.linear)
+        self.score = self.score + np.multiply(weights, left) @ columns
+        self.score += np.einsum("j,jap,ja->p", weights, noise, noise @ self.linear)
         self.blocks = self.blocks * (1.0 - lost) ** 2
         self.inside += 1
         if self.inside == self.block:
@@ -191,20 +192,16 @@ class Estimator:
 
     def _rotate(self, rows: Float) -> Float:
         """Rotate weighted rows (K, P + 1) of columns and torque into the triangle; return its inverse."""
-        count = self.right.size
-        whole = np.empty((count + len(rows), count + 1), order="F")
-        whole[:count, :count], whole[:count, count], whole[count:] = self.root, self.right, rows
-        # LAPACK directly: for matrices this small, what NumPy does around it takes most of the time.
-        triangle = np.triu(dgeqrf(whole, overwrite_a=1)[0][:count])
-        triangle *= np.where(np.diag(triangle) < 0.0, -1.0, 1.0)[:, None]
-        self.root, self.right = triangle[:, :count], triangle[:, count]
+        triangle = _triangle(np.vstack([np.column_stack([self.root, self.right]), rows]))[: self.right.size]
+        self.root, self.right = triangle[:, :-1], triangle[:, -1]
         return np.asarray(dtrtri(self.root)[0])
 
     def forget(self, which: Iterable[int]) -> None:
         """Forget the parameters `which`: nothing that was learnt about them counts from here on."""
-        for k in which:
-            self._moved(k, FORGOTTEN * abs(float(self.linear[k])) + FORGOTTEN_LEAST, known=True)
-            self.credit[k] = self.blocks[k] = 0.0
+        some, size = list(which), np.zeros(self.linear.size)
+        size[some] = FORGOTTEN * np.abs(self.linear[some]) + FORGOTTEN_LEAST
+        self._moved(np.diag(size), np.asarray(np.linalg.inv(self.root)), known=True)
+        self.credit[some] = self.blocks[some] = 0.0
         inverse = np.linalg.inv(self.root)
         self.variance = np.einsum("kp,kp->k", inverse, inverse)
 
@@ -224,30 +221,23 @@ class Estimator:
             getattr(out, name)[:count] = getattr(self, name)
         return out
 
-    def _moved(self, k: int, size: float, known: bool = False) -> None:
-        """Go on as if parameter `k` had moved by a step of that standard deviation; where it is `known` that it has,
-        the step counts into the intervals.
+    def _moved(self, by: Float, inverse: Float, known: bool = False) -> None:
+        """Go on as if the parameters had moved by steps of covariance `by` `by`ᵀ; `inverse` is that of the triangle.
+        Where it is `known` that they have, the steps count into the intervals.
         """
-        column = self.root.T @ self.root[:, k]  # of the information matrix
-        whole = 1.0 / size**2 + column[k]
-        # What scores say of the others once the step is left free, and how far it may have gone.
-        self.score = self.score - column * (self.score[k] / whole)
-        left = np.eye(column.size)
-        left[:, k] -= column / whole
-        self.feigned = left @ self.feigned @ left.T
-        self.meat = left @ self.meat @ left.T + (np.outer(column, column) / (whole * size) ** 2 if known else 0.0)
-        self._step_of(k, size)
-
-    def _step_of(self, k: int, size: float) -> None:
-        """Rotate a step of parameter `k`, of that standard deviation, out of the triangle; it stays one."""
-        rows = np.column_stack([self.root, self.right])
-        step, lead = np.zeros(rows.shape[1]), 1.0 / size
-        for i in range(k, -1, -1):
-            length = math.hypot(lead, rows[i, k])
-            c, s = lead / length, -rows[i, k] / length
-            step, rows[i] = c * step + s * rows[i], c * rows[i] - s * step
-            lead = length
+        count, wide = self.linear.size, by.shape[1]
+        rows = np.zeros((wide + count, wide + count + 1))
+        rows[:wide, :wide] = np.eye(wide)
+        rows[wide:] = np.column_stack([-self.root @ by, self.root, self.right])
+        rows = _triangle(rows)[wide:, wide:]
         self.root, self.right = rows[:, :-1], rows[:, -1]
+        # What scores say once the steps are left free, and how far these may have gone.
+        information = self.root.T @ self.root
+        left = information @ inverse @ inverse.T
+        self.score, self.feigned = left @ self.score, left @ self.feigned
+        self.meat = left @ self.meat @ left.T
+        if known:
+            self.meat += information @ by @ by.T @ information
 
     def covariance(self) -> Float:
         """Return the covariance (P, P) of the parameters, valid under autocorrelation."""
@@ -266,3 +256,10 @@ class Estimator:
             Estimate(n, float(v), u, float(v - h), float(v + h))
             for n, u, v, h in zip(self.names, self.units, self.linear, half, strict=True)
         )
+
+
+def _triangle(rows: Float) -> Float:
+    """Return the triangle (M, M) of rows (N, M), or all of it where there are fewer than M, its diagonal positive."""
+    # LAPACK directly: for matrices this small, what NumPy does around it takes most of the time.
+    triangle = np.triu(dgeqrf(np.asfortranarray(rows), overwrite_a=1)[0][: rows.shape[1]])
+    return np.asarray(triangle * np.where(np.diag(triangle) < 0.0, -1.0, 1.0)[:, None])

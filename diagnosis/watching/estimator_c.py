@@ -103,55 +103,76 @@ static void invert(const double root[P][P], double inverse[P][P]) {
   }
 }
 
-/* Adds what noise of the angles makes of the columns, times numbers, or (linear 0) to the information it makes up. */
-static void moments(@TYPE@ *u, double errors[J][P], double weight, const double *linear) {
-  int a, k, m;
-  for (a = 0; a < J; ++a) {
-    double size = 0.0;
-    for (k = 0; linear && k < P; ++k) size += errors[a][k] * linear[k];
-    for (k = 0; k < P; ++k) {
-      if (linear) u->score[k] += weight * errors[a][k] * size;
-      for (m = 0; !linear && m < P; ++m) u->feigned[k][m] += weight * errors[a][k] * errors[a][m];
+/* into = a b, or a b' */
+static void product(double a[P][P], double b[P][P], int turned, double into[P][P]) {
+  int k, m, n;
+  for (k = 0; k < P; ++k)
+    for (m = 0; m < P; ++m) {
+      into[k][m] = 0.0;
+      for (n = 0; n < P; ++n) into[k][m] += a[k][n] * (turned ? b[m][n] : b[n][m]);
     }
-  }
 }
 
-/* As if number k had moved by a step of this size since the last sample; `known` where it has, and its size counts. */
-static void moved(@TYPE@ *u, int k, double size, int known) {
-  double column[P], shifted[P][P], step[P], step_right = 0.0, lead = 1.0 / size, whole, own;
-  int i, m, n;
-  for (i = 0; i < P; ++i) {
-    column[i] = step[i] = 0.0;
-    for (m = 0; m <= i && m <= k; ++m) column[i] += u->root[m][i] * u->root[m][k];
-  }
-  whole = 1.0 / (size * size) + column[k];
-  own = u->score[k] / whole;
-  for (i = 0; i < P; ++i) u->score[i] -= column[i] * own;
-  for (i = 0; i < P; ++i)
-    for (m = 0; m < P; ++m) shifted[i][m] = u->feigned[i][m] - column[i] * u->feigned[k][m] / whole;
-  for (i = 0; i < P; ++i)
-    for (m = 0; m < P; ++m) u->feigned[i][m] = shifted[i][m] - shifted[i][k] * column[m] / whole;
-  for (i = 0; i < P; ++i)
-    for (m = 0; m < P; ++m) shifted[i][m] = u->meat[i][m] - column[i] * u->meat[k][m] / whole;
-  own = known ? 1.0 / (whole * size * whole * size) : 0.0;
-  for (i = 0; i < P; ++i)
-    for (m = 0; m < P; ++m)
-      u->meat[i][m] = shifted[i][m] - shifted[i][k] * column[m] / whole + column[i] * column[m] * own;
-  for (i = k; i >= 0; --i) {
-    const double length = hypot(lead, u->root[i][k]), c = lead / length, s = -u->root[i][k] / length;
-    for (n = i; n < P; ++n) {
-      const double old = step[n];
-      step[n] = c * old + s * u->root[i][n];
-      u->root[i][n] = c * u->root[i][n] - s * old;
+/* As if the numbers had moved by steps of covariance by by' since the last sample; `known` where they have, and their
+   size counts. */
+static void moved(@TYPE@ *u, double by[P][P], int known) {
+  double inverse[P][P], rows[P][2 * P + 1], step[2 * P + 1], whole[P][P], left[P][P], one[P][P];
+  int c, i, k, m, n;
+  invert((const double(*)[P])u->root, inverse);
+  for (k = 0; k < P; ++k) {
+    for (m = 0; m < P; ++m) {
+      rows[k][m] = 0.0;
+      for (n = k; n < P; ++n) rows[k][m] -= u->root[k][n] * by[n][m];
+      rows[k][P + m] = u->root[k][m];
     }
-    own = step_right;
-    step_right = c * own + s * u->right[i];
-    u->right[i] = c * u->right[i] - s * own;
-    lead = length;
+    rows[k][2 * P] = u->right[k];
   }
+  for (c = 0; c < P; ++c) {
+    for (n = 0; n <= 2 * P; ++n) step[n] = 0.0;
+    step[c] = 1.0;
+    for (i = P - 1; i >= 0; --i) {
+      double length, turn, lean;
+      if (rows[i][c] == 0.0) continue;
+      length = hypot(step[c], rows[i][c]);
+      turn = step[c] / length;
+      lean = rows[i][c] / length;
+      for (n = c; n <= 2 * P; ++n) {
+        const double old = step[n];
+        step[n] = turn * old + lean * rows[i][n];
+        rows[i][n] = turn * rows[i][n] - lean * old;
+      }
+    }
+  }
+  for (k = 0; k < P; ++k) {
+    for (m = 0; m < P; ++m) u->root[k][m] = m < k ? 0.0 : rows[k][P + m];
+    u->right[k] = rows[k][2 * P];
+  }
+  for (k = 0; k < P; ++k)
+    for (m = 0; m < P; ++m) {
+      whole[k][m] = 0.0;
+      for (n = 0; n <= k && n <= m; ++n) whole[k][m] += u->root[n][k] * u->root[n][m];
+    }
+  product(whole, inverse, 0, one);
+  product(one, inverse, 1, left);
+  for (k = 0; k < P; ++k) {
+    step[k] = 0.0;
+    for (m = 0; m < P; ++m) step[k] += left[k][m] * u->score[m];
+  }
+  for (k = 0; k < P; ++k) u->score[k] = step[k];
+  product(left, u->feigned, 0, one);
+  for (k = 0; k < P; ++k)
+    for (m = 0; m < P; ++m) u->feigned[k][m] = one[k][m];
+  product(left, u->meat, 0, one);
+  product(one, left, 1, u->meat);
+  if (!known) return;
+  product(whole, by, 0, one);
+  product(one, one, 1, left);
+  for (k = 0; k < P; ++k)
+    for (m = 0; m < P; ++m) u->meat[k][m] += left[k][m];
 }
 
-static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const int use[J], double errors[J][J][P]) {
+static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const int use[J],
+                    double errors[J][J][P]) {
   double inverse[P][P], lost[P], plain[P], rest[P];
   int i, j, k, m, any = 0;
   for (j = 0; j < J; ++j) {
@@ -161,7 +182,9 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
     for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
     weight = weight_of(u, j, left);
     rotate(u, columns[j], tau[j], sqrt(weight));
-    moments(u, errors[j], weight, 0);
+    for (i = 0; i < J; ++i)
+      for (k = 0; k < P; ++k)
+        for (m = 0; m < P; ++m) u->feigned[k][m] += weight * errors[j][i][k] * errors[j][i][m];
     square = u->scale[j] * u->scale[j];
     most = left * left < 9.0 * square ? left * left : 9.0 * square;
     u->scale[j] = sqrt(square + @FOLLOW@ * (most - square));
@@ -198,15 +221,22 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
       for (m = k; m < P; ++m) u->linear[k] += inverse[k][m] * back[m];
     }
   }
-  for (k = 0; k < P; ++k)
-    if (lost[k] > 0.0) moved(u, k, sqrt(u->variance[k] * lost[k]), 0);
+  for (k = 0, any = 0; k < P; ++k) {
+    any = any || lost[k] > 0.0;
+    for (m = 0; m < P; ++m) inverse[k][m] *= sqrt(lost[k] / (1.0 - lost[k]));
+  }
+  if (any) moved(u, inverse, 0);
   for (j = 0; j < J; ++j) {
     double left = tau[j], weight;
     if (!use[j]) continue;
     for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
     weight = weight_of(u, j, left);
     for (k = 0; k < P; ++k) u->score[k] += weight * left * columns[j][k];
-    moments(u, errors[j], weight, u->linear);
+    for (i = 0; i < J; ++i) {
+      double size = 0.0;
+      for (k = 0; k < P; ++k) size += errors[j][i][k] * u->linear[k];
+      for (k = 0; k < P; ++k) u->score[k] += weight * errors[j][i][k] * size;
+    }
   }
   if (++u->inside == @BLOCK@) {
     for (k = 0; k < P; ++k)
@@ -221,16 +251,16 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
 }
 """
 
-FORGETTING = """static void forget_one(@TYPE@ *u, int k) {
-  moved(u, k, @FORGOTTEN@ * fabs(u->linear[k]) + @FORGOTTEN_LEAST@, 1);
-  u->credit[k] = u->blocks[k] = 0.0;
-}
-
-static void forget(@TYPE@ *u, const int which[P]) {
-  double inverse[P][P];
+FORGETTING = """static void forget(@TYPE@ *u, const int which[P]) {
+  double inverse[P][P], by[P][P];
   int k, m;
-  for (k = 0; k < P; ++k)
-    if (which[k]) forget_one(u, k);
+  for (k = 0; k < P; ++k) {
+    for (m = 0; m < P; ++m) by[k][m] = 0.0;
+    if (!which[k]) continue;
+    by[k][k] = @FORGOTTEN@ * fabs(u->linear[k]) + @FORGOTTEN_LEAST@;
+    u->credit[k] = u->blocks[k] = 0.0;
+  }
+  moved(u, by, 1);
   invert((const double(*)[P])u->root, inverse);
   for (k = 0; k < P; ++k) {
     u->variance[k] = 0.0;
@@ -239,7 +269,7 @@ static void forget(@TYPE@ *u, const int which[P]) {
 }
 """
 
-SPREADING = """/* bread = inverse inverse' + ... : the inverse of the information without what noise of the angles makes up. */
+SPREADING = """/* bread: the inverse of the information without what noise of the angles makes up. */
 static void correct(const @TYPE@ *u, double inverse[P][P], double bread[P][P]) {
   double plain[P][P], step[P][P], next[P][P];
   int i, k, m, n;

@@ -15,7 +15,7 @@ import numpy as np
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.estimator import Estimator, Pace
+from exoid.diagnosis.watching.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.diagnosis.watching.questions import LOAD, Acting
 from exoid.diagnosis.watching.result import ChangeFound
 from exoid.diagnosis.watching.window import Window, column_errors
@@ -46,7 +46,7 @@ class FollowedNumbers:
         """Return numbers of which little more is known than those of the model `now`; `scale` (J,) N·m is that of the
         residual, `rate` Hz that of the samples.
         """
-        spread = 10.0 * (np.abs(now.linear) + 1.0)
+        spread = FORGOTTEN * np.abs(now.linear) + FORGOTTEN_LEAST
         return cls(Estimator.start(now.model, now.linear, spread, scale, rate, pace), now)
 
     def take(self, one: Window, base: Float | None = None) -> None:

@@ -149,14 +149,14 @@ class WatchState:
     def numbers(self, fresh: Estimator, usual: Usual) -> FollowedNumbers:
         """Return the numbers as they were followed; `fresh` is an estimator that knows nothing yet."""
         about = self.about
-        none = np.zeros((len(about["numbers"]), len(about["numbers"])))  # in files of earlier versions
-        values = {name: self.arrays.get(f"estimator.{name}", none).copy() for name in OF_ESTIMATOR}
+        kept = {name: self.arrays.get(f"estimator.{name}") for name in OF_ESTIMATOR}
+        values = {name: one.copy() for name, one in kept.items() if one is not None}  # earlier files have fewer
         made = Estimator(
             tuple(about["numbers"]), tuple(about["units"]), np.array(about["pace"]), fresh.block, fresh.follow,
             fresh.unit, values["root"], values["right"], values["linear"], values["variance"],
         )  # fmt: skip
-        for name in ("credit", "score", "meat", "blocks", "feigned"):
-            setattr(made, name, values[name])
+        for name in OF_ESTIMATOR[4:]:
+            setattr(made, name, values.get(name, getattr(made, name)))
         made.scale, made.inside = values["scale"].tolist(), about["inside"]
         return FollowedNumbers(made, usual.now, tuple(_acting(one, usual) for one in about["followed"]))
 

@@ -137,7 +137,8 @@ def column_errors(model: Model, q: Float, rough: Float, shape: Float) -> Float:
 
     def columns(ddq: Float) -> Float:
         motion = Motion(np.zeros(len(q)), q, still, ddq, still, force=np.zeros((len(q), len(model.channels))))
-        return np.array(model.columns(motion, shape, np.zeros(len(model.parameters)) if model.needs_reference else None))
+        none = np.zeros(len(model.parameters)) if model.needs_reference else None
+        return np.array(model.columns(motion, shape, none))
 
     rest, unit = columns(still), np.eye(q.shape[1])
     parts = [np.sqrt(rough[:, a]) * np.moveaxis(columns(still + unit[a]) - rest, 1, 2) for a in range(q.shape[1])]
