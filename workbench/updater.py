@@ -18,7 +18,7 @@ from exoid.diagnosis.watching.estimator import (
 )
 from exoid.diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, SPREADING, filled
 from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
-from exoid.diagnosis.watching.window import LEAST_WEIGHT
+from exoid.diagnosis.watching.window import STEADY
 from exoid.ground.text import in_comment
 from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
 from exoid.optimisation.preparation.sticking import STICK
@@ -69,7 +69,7 @@ def write_updater(
         "LAG": filters.lag, "SIGN": repr(SIGN_WIDTH),
         "RINGING": filters.ringing, "ABSURD": repr(ABSURD), "LATEST": repr(LATEST), "FASTEST": repr(FASTEST),
         "FARTHEST": repr(FASTEST * sample_time), "LASTING": repr(LASTING), "LONGEST": int(LONGEST_HOLE / sample_time),
-        "LEAST": repr(LEAST_WEIGHT), "ENOUGH": repr(LEAST_BLOCKS),
+        "LEAST": repr(STEADY), "ENOUGH": repr(LEAST_BLOCKS),
         "FORGOTTEN": repr(FORGOTTEN), "FORGOTTEN_LEAST": repr(FORGOTTEN_LEAST),
         **constants(start), "DELAY": f"{filters.delay:.3g}",
         "LINEAR": _list(linear), "SPREAD": _list(np.sqrt(start.variance)), "FORGET": _list(start.pace),

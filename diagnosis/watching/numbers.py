@@ -95,7 +95,7 @@ class FollowedNumbers:
         noise = column_errors(self.now.model, one.motion.q[one.kept], one.rough, self.now.shape)
         followed = whole.shape[2] - noise.shape[3]
         errors = np.pad(noise, ((0, 0), (0, 0), (0, 0), (0, followed)))  # of what came since, nothing is said
-        self.estimator.steps(whole, (one.torque - self._known(one)).T, one.used.T, errors)
+        self.estimator.steps(whole, (one.torque - self._known(one)).T, one.steady.T, errors)
 
     def _known(self, one: Window) -> Float:
         """Return the torque (J, K) that measured forces ask for without a number."""

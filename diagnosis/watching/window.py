@@ -16,19 +16,25 @@ from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
 
 LEAST_WEIGHT = Threshold(
+    0.3,
+    "part of the filter's past that was usable: samples made of holes and sticking are fitted",
+)
+STEADY = Threshold(
     0.8,
-    "part of the filter's past that was usable: samples made of holes and sticking are fitted, with a third more noise",
+    "the same from which a sample tells the numbers: beside a reversal noise of the encoders is a third larger",
 )
 
 
 @dataclass(frozen=True, eq=False)
 class Window(PreparedRecording):
     """A prepared recording that the causal filters made; `weights` (N, J) are 1 where a sample can be used, `rough` (K,
-    J) is the variance in (rad/s²)² that noise of the angles leaves in the accelerations of kept ones.
+    J) is the variance in (rad/s²)² that noise of the angles leaves in the accelerations of kept ones; `steady` (J, K)
+    says which of these tell the numbers.
     """
 
     weights: Float
     rough: Float
+    steady: np.ndarray
     common: float
 
     def smooth_rows(self, x: Float, joints: Sequence[int], axis: int, out: Float | None = None) -> Float:
@@ -77,6 +83,7 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
         full_rate=filters.rate,
         reach=np.ones(joints),
         weights=samples.good,
+        steady=total[:, kept] > STEADY,
         rough=filters.roughness * samples.noise[kept],
         common=filters.common,
     )
@@ -111,6 +118,7 @@ def _joined(group: Sequence[Window]) -> Window:
         motion=Motion(**moved),
         torque=np.concatenate([one.torque for one in group], axis=1),
         rough=np.concatenate([one.rough for one in group]),
+        steady=np.concatenate([one.steady for one in group], axis=1),
         used=np.concatenate([one.used for one in group], axis=1),
         kept=np.concatenate([one.kept - cut + at for one, cut, at in zip(group, cuts, starts[:-1], strict=True)]),
         wide_tau=whole(one.wide_tau for one in group),

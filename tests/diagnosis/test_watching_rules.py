@@ -134,14 +134,25 @@ def test_no_motion_is_made_up_across_a_long_hole(seconds: float, restarts: int) 
 
 
 @pytest.mark.shows("window.LEAST_WEIGHT")
-@pytest.mark.parametrize(("every", "used"), [(20, True), (4, False)])
+@pytest.mark.parametrize(("every", "used"), [(2, True), (5, False)])
 def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
     one = FrontEnd(2)
     made = one.push(stream())
     assert one.filters is not None
-    good = np.repeat((np.arange(len(made)) % every != 0)[:, None], 2, axis=1).astype(float)
+    good = np.repeat((np.arange(len(made)) % every == 0)[:, None], 2, axis=1).astype(float)
     seen = window("w", replace(made, good=good), one.filters.settled, one.filters).used
     assert bool(seen.all()) is used and bool(seen.any()) is used
+
+
+@pytest.mark.shows("window.STEADY")
+@pytest.mark.parametrize(("every", "tell"), [(20, True), (4, False)])
+def test_samples_beside_what_is_lost_do_not_tell_the_numbers(every: int, tell: bool) -> None:
+    one = FrontEnd(2)
+    made = one.push(stream())
+    assert one.filters is not None
+    good = np.repeat((np.arange(len(made)) % every != 0)[:, None], 2, axis=1).astype(float)
+    seen = window("w", replace(made, good=good), one.filters.settled, one.filters)
+    assert seen.used.all() and bool(seen.steady.all()) is tell
 
 
 @pytest.mark.shows("alarm.LEAST_POWER")
