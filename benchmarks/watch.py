@@ -31,9 +31,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.watch_rivals import Filtered, cusum, oracle
 from benchmarks.watched_leg import Truth, drawn, exact_rows
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.watching.acting import Applied
 from exoid.diagnosis.watching.events import Event
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.watcher import Watcher
 from exoid.diagnosis.watching.window import Window

@@ -1,5 +1,5 @@
 """The recursive estimator in C99: a struct, no allocation, no dependency but math.h; the numbers of
-`exoid.diagnosis.watching.estimator` step by step.
+`exoid.optimisation.recursive.estimator` step by step.
 """
 
 from __future__ import annotations
@@ -7,8 +7,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exoid.diagnosis.watching.encoder_noise import DIFFERENCE, MIDDLE, following
-from exoid.diagnosis.watching.estimator import (
+from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
+from exoid.diagnosis.watching.window import STEADY
+from exoid.ground.text import in_comment
+from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
+from exoid.optimisation.preparation.sticking import STICK
+from exoid.optimisation.recursive.encoder_noise import DIFFERENCE, MIDDLE, following
+from exoid.optimisation.recursive.estimator import (
     FORGOTTEN,
     FORGOTTEN_LEAST,
     LEAST_BLOCKS,
@@ -16,12 +21,7 @@ from exoid.diagnosis.watching.estimator import (
     Estimator,
     constants,
 )
-from exoid.diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, SPREADING, filled
-from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
-from exoid.diagnosis.watching.window import STEADY
-from exoid.ground.text import in_comment
-from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
-from exoid.optimisation.preparation.sticking import STICK
+from exoid.optimisation.recursive.estimator_c import ESTIMATION, FIELDS, FORGETTING, SPREADING, filled
 from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
 from exoid.symbolic.model import Model, require_no_force, require_still_base
 from exoid.symbolic.model_file import Numbers

@@ -19,11 +19,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import sosfilt
 
-from exoid.diagnosis.watching.encoder_noise import RING, EncoderNoise, following
 from exoid.ground.errors import ExoidError
 from exoid.ground.thresholds import Threshold
 from exoid.optimisation.preparation.filtering import WORKING_RATE
 from exoid.optimisation.preparation.sticking import STICK
+from exoid.optimisation.recursive.encoder_noise import RING, EncoderNoise, following
 from exoid.symbolic.motion import Float
 
 Bool = np.ndarray

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from exoid.diagnosis.against.questions import LOAD, Acting
+from exoid.diagnosis.against.result import ChangeFound
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
-from exoid.diagnosis.watching.questions import LOAD, Acting
-from exoid.diagnosis.watching.result import ChangeFound
 from exoid.diagnosis.watching.window import Window, column_errors
+from exoid.optimisation.recursive.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 

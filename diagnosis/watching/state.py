@@ -15,20 +15,20 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.against.questions import Acting
+from exoid.diagnosis.against.result import ChangeFound
 from exoid.diagnosis.watching.acting import Applied
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.estimator import Estimator
 from exoid.diagnosis.watching.front import Filters, Samples
 from exoid.diagnosis.watching.memory import TOGETHER
 from exoid.diagnosis.watching.numbers import FollowedNumbers
 from exoid.diagnosis.watching.outside import Outside
-from exoid.diagnosis.watching.questions import Acting
-from exoid.diagnosis.watching.result import ChangeFound
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.usual import Usual, learned
 from exoid.diagnosis.watching.window import Window, joined_windows, window
 from exoid.ground.errors import ExoidError
+from exoid.optimisation.recursive.estimator import Estimator
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float

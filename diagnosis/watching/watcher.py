@@ -14,19 +14,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from exoid.diagnosis.against.differences import MOST, QUICK
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.watching import wording
 from exoid.diagnosis.watching.acting import Applied, already, as_usual
 from exoid.diagnosis.watching.alarm import SPANS, Pending
 from exoid.diagnosis.watching.asking import asked_of, differences_of
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.differences import MOST, QUICK
 from exoid.diagnosis.watching.events import Event
 from exoid.diagnosis.watching.memory import TOGETHER, Memory
 from exoid.diagnosis.watching.numbers import FollowedNumbers
 from exoid.diagnosis.watching.outside import Outside
 from exoid.diagnosis.watching.pushes import Pushes
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.state import WatchState
 from exoid.diagnosis.watching.usual import GROWN, Usual, learned

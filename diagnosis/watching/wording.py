@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.watching.alarm import Deviation
 from exoid.diagnosis.watching.course import Onset, onset
 from exoid.diagnosis.watching.events import Event, clock
 from exoid.diagnosis.watching.front import FrontEnd
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.window import Window
 from exoid.ground.thresholds import Threshold
 from exoid.symbolic.motion import Float

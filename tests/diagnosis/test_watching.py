@@ -7,15 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from exoid.diagnosis.against.differences import compare_against
+from exoid.diagnosis.against.questions import questions
+from exoid.diagnosis.against.result import Course
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import onset
-from exoid.diagnosis.watching.differences import compare_against
-from exoid.diagnosis.watching.encoder_noise import RING, EncoderNoise, following
-from exoid.diagnosis.watching.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.diagnosis.watching.front import HALF, SPIKE, FrontEnd, Samples, despiked
-from exoid.diagnosis.watching.questions import questions
-from exoid.diagnosis.watching.result import Course
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.watched import Watched
 from exoid.diagnosis.watching.watcher import Watcher
@@ -26,6 +24,8 @@ from exoid.measurement.reading.growing import grown
 from exoid.measurement.recording import Recording
 from exoid.measurement.trajectories.trajectory import random_trajectory
 from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.recursive.encoder_noise import RING, EncoderNoise, following
+from exoid.optimisation.recursive.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.symbolic.effect import Coefficient, Effect
 from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.model import Model
@@ -247,7 +247,7 @@ def test_compiled_estimation_is_that_of_python(monkeypatch: pytest.MonkeyPatch) 
     use = rng.random((120, 1)) < 0.8
     compiled, plain = _estimator(), _estimator()
     compiled.steps(rows, tau, use)
-    monkeypatch.setattr("exoid.diagnosis.watching.estimator.kernel", lambda values: None)
+    monkeypatch.setattr("exoid.optimisation.recursive.estimator.kernel", lambda values: None)
     plain.steps(rows, tau, use)
     for name in ("linear", "variance", "root", "right", "credit", "score", "meat", "scale", "blocks", "inside"):
         np.testing.assert_allclose(getattr(compiled, name), getattr(plain, name), rtol=1e-9, atol=1e-12)

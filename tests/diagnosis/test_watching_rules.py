@@ -9,23 +9,25 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from exoid.diagnosis.against import differences
+from exoid.diagnosis.against.differences import BeforeAfter
+from exoid.diagnosis.against.result import Course, Differences
 from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.separation.result import Separation
-from exoid.diagnosis.watching import asking, course, differences, estimator, front
+from exoid.diagnosis.watching import asking, course, front
 from exoid.diagnosis.watching.alarm import Detector, Deviation, Pending
 from exoid.diagnosis.watching.course import onset
-from exoid.diagnosis.watching.differences import BeforeAfter
-from exoid.diagnosis.watching.estimator import Estimator, Pace
 from exoid.diagnosis.watching.front import FrontEnd, Samples
 from exoid.diagnosis.watching.memory import Memory
 from exoid.diagnosis.watching.pushes import Pushes
-from exoid.diagnosis.watching.result import Course, Differences
 from exoid.diagnosis.watching.scores import Scores, placebos
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.usual import Usual
 from exoid.diagnosis.watching.watcher import Watcher
 from exoid.diagnosis.watching.window import window
+from exoid.optimisation.recursive import estimator
+from exoid.optimisation.recursive.estimator import Estimator, Pace
 from exoid.symbolic.joints import LEG
 
 SEEDS = range(60)

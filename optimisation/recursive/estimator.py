@@ -36,8 +36,8 @@ import numpy as np
 from scipy.linalg.lapack import dgeqrf, dtrtri
 from scipy.stats import t as student
 
-from exoid.diagnosis.watching.estimator_c import kernel, layout
 from exoid.ground.thresholds import Threshold
+from exoid.optimisation.recursive.estimator_c import kernel, layout
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
