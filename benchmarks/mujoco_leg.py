@@ -48,8 +48,9 @@ class Leg:
     """What the leg is built of. Lengths m, masses kg, angles rad, stiffness N·m/rad.
 
     `soft` is the stiffness of the knee drive, `gap` half the width of the gap in it; the encoder then sits at the
-    motor. `floor` is how far below the hip the ground lies, `ground` how it gives way (MuJoCo's solref, s and damping), `sway` the amplitude in m/s² of the acceleration of the
-    base, with a phase of its own in every run. `tendon` is the stiffness in N·m/rad of one across both joints.
+    motor. `floor` is how far below the hip the ground lies, `ground` how it gives way (MuJoCo's solref, s and damping),
+    `sway` the amplitude in m/s² of the acceleration of the base, with a phase of its own in every run. `tendon` is the
+    stiffness in N·m/rad of one across both joints.
     """
 
     dry: tuple[float, float] = (4.0, 3.0)

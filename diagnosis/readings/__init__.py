@@ -12,8 +12,8 @@ from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 
 READINGS = (thigh_length,)
-"""Of each module: EFFECT, its entry; `asked(model, prepared)`, whether it may be the case; and `what_is_wrong(fit)`, what is to
-be said where it was accepted."""
+"""Of each module: EFFECT, its entry; `asked(model, prepared)`, whether it may be the case; and `what_is_wrong(fit)`,
+what is to be said where it was accepted."""
 BY_NAME = {one.EFFECT.id: one for one in READINGS}
 
 

@@ -1,8 +1,8 @@
 """Walking of other plants than the bench's, with a ground that nobody measured: contact is suspected, nothing accused.
 
 The first is made as gait laboratories make it, by inverse dynamics of a person whose pelvis moves (Newton and Euler,
-written without a look at the package), in a table as OpenSim writes it; the second walks in MuJoCo, whose solver decides
-what hard and soft ground do to a foot.
+written without a look at the package), in a table as OpenSim writes it; the second walks in MuJoCo, whose solver
+decides what hard and soft ground do to a foot.
 """
 
 import numpy as np
