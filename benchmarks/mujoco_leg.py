@@ -48,8 +48,9 @@ class Leg:
     """What the leg is built of. Lengths m, masses kg, angles rad, stiffness N·m/rad.
 
     `soft` is the stiffness of the knee drive, `gap` half the width of the gap in it; the encoder then sits at the
-    motor. `floor` is how far below the hip the ground lies, `sway` the amplitude in m/s² of the acceleration of the
-    base, with a phase of its own in every run. `tendon` is the stiffness in N·m/rad of one across both joints.
+    motor. `floor` is how far below the hip the ground lies, `ground` how it gives way (MuJoCo's solref, s and damping),
+    `sway` the amplitude in m/s² of the acceleration of the base, with a phase of its own in every run. `tendon` is the
+    stiffness in N·m/rad of one across both joints.
     """
 
     dry: tuple[float, float] = (4.0, 3.0)
@@ -60,6 +61,7 @@ class Leg:
     soft: float | None = None
     gap: float | None = None
     floor: float | None = None
+    ground: str = "0.05 1"
     sway: float = 0.0
 
     def xml(self) -> str:
@@ -88,7 +90,7 @@ class Leg:
             lower = f'<body pos="0 0 -0.4">{joint}{shank}</body>'
         ground = ""
         if self.floor is not None:
-            ground = f'<geom name="floor" type="plane" size="5 5 1" pos="0 0 {-self.floor}" solref="0.05 1"/>'
+            ground = f'<geom name="floor" type="plane" size="5 5 1" pos="0 0 {-self.floor}" solref="{self.ground}"/>'
         tendon = ""
         if self.tendon:
             tendon = (

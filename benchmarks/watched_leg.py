@@ -203,7 +203,7 @@ def drawn(rng: np.random.Generator, size: float, truth: Truth) -> Change:
     numbers = [p.name for p in model.parameters[len(model.inertial) :]]
     pool: list[Any] = [
         (effect, joint)
-        for effect in catalogue().values()
+        for effect in catalogue(worn=False).values()
         if effect.family not in LEAVE_OUT
         for joint in ((None,) if effect.on_both else effect.joints)
         if joint not in effect.absorbed_on

@@ -98,8 +98,9 @@ class Accepted(AsJson):
 
     @property
     def fall(self) -> float:
-        """By what share of itself the squared error of unseen motion fell with it, the joints' mean."""
-        return float(1.0 - np.mean((self.rms_after / self.rms_before) ** 2))
+        """By what share of itself the squared error of unseen motion fell with it, the mean of the joints it shows."""
+        seen = np.asarray(self.rms_before) > 0.0
+        return float(1.0 - np.mean((self.rms_after[seen] / self.rms_before[seen]) ** 2)) if seen.any() else 0.0
 
     @property
     def name(self) -> str:

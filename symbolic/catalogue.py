@@ -20,14 +20,16 @@ FAMILIES = ("friction", "spring", "inertia", "gravity", "sensor", "drive", "drif
 
 
 @cache
-def catalogue(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Effect]:
-    """Return {id: effect} of the effects that a machine with these joints may have, by family, then id.
+def catalogue(joints: tuple[Joint, ...] = LEG, worn: bool = True) -> Mapping[str, Effect]:
+    """Return {id: effect} of the effects that a machine with these joints may have, by family, then id; those that a
+    person brings only where it is `worn`.
 
     EffectError for a file that defines none.
     """
     found = [_load(name) for name in names_in(effects)]
     ordered = sorted(found, key=lambda effect: (FAMILIES.index(effect.family), effect.id))
-    return MappingProxyType({effect.id: effect for effect in ordered if not joints or places_of(effect, joints)})
+    had = [effect for effect in ordered if (worn or not effect.worn) and (not joints or places_of(effect, joints))]
+    return MappingProxyType({effect.id: effect for effect in had})
 
 
 def every_effect() -> Mapping[str, Effect]:

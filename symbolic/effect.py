@@ -106,6 +106,10 @@ class Effect:
     deflection: Mapping[str, str] | None = None
     machines: str = "all"
     """Which machines have it: "all", the "leg" with hip and knee, or "others"."""
+    worn: bool = False
+    """Whether it is a person's own: machines with a hip and a knee have it, and it is looked for where the model has a
+    wearer.
+    """
 
     def __post_init__(self) -> None:
         if isinstance(self.joints, str):

@@ -203,6 +203,8 @@ def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str | None, ...
     if among is LEG:
         return effect.joints
     above = parents(among)
+    if effect.worn:
+        return effect.joints if {*JOINTS} <= {*names} else ()
     if effect.on_both:
         return tuple(name for k, name in enumerate(names) if k + 1 < len(names) and above[k + 1] == k)
     if effect.custom and effect.joints != JOINTS:

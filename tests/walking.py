@@ -12,9 +12,9 @@ REACH = 0.43
 """m from the knee to the foot."""
 
 
-def walked(seed=0, seconds=20.0, rate=100.0, noise=0.4):
+def walked(seed=0, seconds=20.0, rate=100.0, noise=0.4, pelvis=0.0):
     """Return (recording without any force, torque (N, 2) that the ground takes off the drives, which samples are stance
-    (N,), force (N, 2) on the foot).
+    (N,), force (N, 2) on the foot). The hip is accelerated with up to `pelvis` m/s² twice in a stride.
     """
     rng = np.random.default_rng(seed)
     t = np.arange(round(seconds * rate)) / rate
@@ -27,7 +27,8 @@ def walked(seed=0, seconds=20.0, rate=100.0, noise=0.4):
     q = np.column_stack([hip, knee])
     dq = np.gradient(q, t, axis=0)
     ddq = np.gradient(dq, t, axis=0)
-    tau = np.array([torque(LEG, *state) for state in zip(q, dq, ddq, strict=True)])
+    base = pelvis * np.column_stack([0.6 * np.sin(2.0 * turn), np.cos(2.0 * turn + 0.4)])
+    tau = np.array([torque(LEG, *state) for state in zip(q, dq, ddq, base, strict=True)])
     tau += np.array([1.5, 1.0]) * np.tanh(dq / 0.02) + np.array([0.8, 0.5]) * dq
     force = _ground(cycle, stance, rng)
     q1, q12 = q[:, 0], q.sum(axis=1)

@@ -37,7 +37,8 @@ class RecordingEvidence:
     """One prepared recording as the evidence sees it, all at the K kept samples.
 
     `columns` (J, K, P) of the present model, `residual` (J, K) N·m, `use` (J, K), `motion` (K, J) angles (to see
-    where the motion repeats), `rate` Hz, `fold` (K,) number of the unit each sample belongs to.
+    where the motion repeats), `rate` Hz, `fold` (K,) number of the unit each sample belongs to. `starts` gives the
+    samples at which blocks begin that are compared with one another: strides, or stretches of so many seconds.
     """
 
     columns: Float
@@ -46,6 +47,7 @@ class RecordingEvidence:
     motion: Float
     rate: float
     fold: np.ndarray
+    starts: Callable[[float], np.ndarray]
 
 
 class Evidence:

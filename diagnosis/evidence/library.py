@@ -134,13 +134,13 @@ def _lasting(candidate: Candidate) -> bool:
 def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
     """Return every effect of the catalogue, and the user's `extra` ones, at every joint where it exists.
 
-    Terms that `model` already has are left out, and effects of a drive, or of the model's own torque, at a joint that
-    has no drive in any recording.
+    Terms that `model` already has are left out, what a person brings where it has no wearer, and effects of a drive, or
+    of the model's own torque, at a joint that has no drive in any recording.
     """
     driven = [any(one.driven[j] for one in prepared) for j in range(len(model.joints))]
     known = {term.name for term in model.terms}
     found = []
-    for effect in (*catalogue(model.joints).values(), *extra):
+    for effect in (*catalogue(model.joints, model.wearer is not None).values(), *extra):
         for joint in places_of(effect, model.joints):
             term = Term(effect, joint, model.joints, own_places=True)
             # Of a joint whose torque is always zero, the model's own torque is its residual: it would explain itself.

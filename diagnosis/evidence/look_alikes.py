@@ -124,7 +124,7 @@ def gains_beside(
 
 
 def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
-    """Return the held-out loss of a candidate in blocks of time, over all units of all splits."""
+    """Return the held-out loss of a candidate in strides, or blocks of time, over all units of all splits."""
     out = []
     for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
         index, weight = evidence.unit(unit)
@@ -133,8 +133,7 @@ def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ri
         for place, joint in enumerate(columns[index].joints):
             residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
         loss = np.sum(weight * residual**2, axis=0)
-        size = max(1, int(evidence.rules.block_seconds * block.rate))
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)
-        starts = np.arange(0, live.size, size)
-        out.append(np.add.reduceat(loss[live], starts))
+        blocks = np.searchsorted(block.starts(evidence.rules.block_seconds), live, side="right")
+        out.append(np.add.reduceat(loss[live], np.flatnonzero(np.diff(blocks, prepend=-1))))
     return np.concatenate(out)

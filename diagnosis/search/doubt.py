@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.model_error import fitted_seconds
+from exoid.diagnosis.evidence.model_error import fitted_seconds, sensor_noise
+from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import index_of_greatest
@@ -46,6 +47,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
         or beside_standstill(before, after, rules)
+        or less_than_chance(before, after, rules)
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
@@ -169,6 +171,27 @@ def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
     return (
         f"explains next to nothing further than {BESIDE:g} s from where the joint stands still: friction at low speed, "
         "or its direction, may be what is missing, and this only takes up part of it"
+    )
+
+
+def less_than_chance(before: Extension, after: Extension, rules: Rules) -> str:
+    """Return that the term explains less, at each of its joints, than is left there and does not come again when the
+    motion does, where that is no noise of the sensors.
+
+    A person who pushes slowly is alike to any effect for a while, and to shifts in time of it less so.
+    """
+    again, added = repeats(after.fitted), after.added
+    if again is None or added is None:
+        return ""
+    at, noise = list(added.candidate.joints), sensor_noise(after.fitted.prepared)
+    taken = np.sqrt(np.maximum(before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2, 0.0))
+    if np.any(again.noise[at] <= np.maximum(rules.near_noise * noise, taken)[at]):
+        return ""
+    joint = after.fitted.model.joints[at[0]]
+    return (
+        f"takes {taken[at[0]]:.2g} {joint.unit('tau')} off the error of the {joint.name}, where "
+        f"{again.noise[at[0]]:.2g} {joint.unit('tau')} do not come again {again.what}: what acts from outside the "
+        "model is larger, and resembles any effect for a while"
     )
 
 

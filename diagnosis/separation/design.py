@@ -25,6 +25,7 @@ from exoid.ground.progress import Progress, silent
 from exoid.ground.settings import spelt_out
 from exoid.ground.ties import least_of, order_of
 from exoid.measurement.bench.simulation import bench_machine
+from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.trajectories.extremes import bounds, uses
 from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
@@ -37,6 +38,7 @@ from exoid.optimisation.linear.problem import Problem
 from exoid.optimisation.optimiser import minimise
 from exoid.optimisation.optimisers.nfo import NFO
 from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.force import Force
 from exoid.symbolic.model import Model, require_still_base
 from exoid.symbolic.model_file import Numbers
 from exoid.symbolic.motion import Float
@@ -88,8 +90,9 @@ def separate(
     planned(drawn[0], asked.duration, filter_, joints=model.joints)  # what is too short is told before the search
     say(0.02, "looking for rivals that are the same")
     same = same_torques(base, terms)
-    prepared = prepare(base, recordings, cutoff=asked.cutoff) if recordings else None
-    truths, measured = _truths(base, terms, prepared, asked.numbers, say)
+    forces = pushed_model(model, recordings).forces
+    prepared = prepare(base.with_forces(*forces), recordings, cutoff=asked.cutoff) if recordings else None
+    truths, measured = _truths(base, terms, forces, prepared, asked.numbers, say)
     noise = asked.noise or measured or usual_noise(model)
     pairs = _pairs(truths, same)
     if prepared is not None:
@@ -156,11 +159,14 @@ def _second(names: Sequence[str], usual: str) -> str:
 def _truths(
     base: Model,
     terms: Sequence[Term],
+    forces: Sequence[Force],
     prepared: Prepared | None,
     numbers: Numbers | None,
     say: Progress,
 ) -> tuple[tuple[Rival, ...], Noise | None]:
-    """Return every rival with its numbers, and the noise that the best of their fits leaves."""
+    """Return every rival with its numbers, and the noise that the best of their fits leaves; the `forces` pushed the
+    recordings, and nothing pushes the machine on a motion to come.
+    """
     truths, fits = [], []
     for k, term in enumerate(terms):
         model = replace(base, terms=(*base.terms, term))
@@ -170,9 +176,11 @@ def _truths(
             truths.append(Rival(term.name, model, usual.linear, usual.shape, source))
             continue
         say(0.05 + 0.1 * k, f"fitting {term.name} to the recordings")
-        fit = identify(model, prepared.train, optimisers=())
+        pushed = model.with_forces(*forces)
+        fit = identify(pushed, prepared.train, optimisers=())
         fits.append(fit)
-        linear, source = np.array(fit.linear), "fitted to the recordings"
+        at = [pushed.parameters.index(p) for p in model.parameters]
+        linear, source = np.array(fit.linear)[at], "fitted to the recordings"
         if not _possible(model, linear, term):
             count = len(base.parameters)
             linear = np.concatenate([linear[:count], usual.linear[count:]])

@@ -73,11 +73,13 @@ class Rival(AsJson):
 
 
 def planned(
-    trajectory: Fourier, duration: float, cutoff: float, joints: Sequence[Joint] = LEG
+    trajectory: Fourier, duration: float, cutoff: float, joints: Sequence[Joint] = LEG, payload: Float | None = None
 ) -> PreparedRecording:
-    """Return a motion as if it had been recorded for `duration` s and prepared with `cutoff` Hz; its torque is zero."""
+    """Return a motion, with the limb of a wearer as its `payload`, as if it had been recorded for `duration` s and
+    prepared with `cutoff` Hz; its torque is zero.
+    """
     t = np.arange(round(duration * RATE)) / RATE
-    motion = trajectory.at(t)
+    motion = replace(trajectory.at(t), payload=payload)
     edge = int(np.ceil(EDGE * RATE))
     kept = np.arange(edge, len(t) - edge, max(1, int(RATE // (6.0 * cutoff))))
     if len(kept) < 2:
@@ -217,9 +219,15 @@ class Distances:
         """Those of the machine."""
         return self.truths[0].model.joints
 
+    @property
+    def payload(self) -> Float | None:
+        """What the limb of its wearer adds to the machine; None without one."""
+        model = self.truths[0].model
+        return None if model.wearer is None else model.wearer.added(model)
+
     def motion(self, trajectory: Fourier) -> dict[tuple[str, str], float]:
         """Return D of every pair on a motion."""
-        return self.recordings([planned(trajectory, self.duration, self.cutoff, joints=self.joints)])
+        return self.recordings([planned(trajectory, self.duration, self.cutoff, self.joints, self.payload)])
 
     def recordings(self, prepared: Sequence[PreparedRecording]) -> dict[tuple[str, str], float]:
         """Return D of every pair on prepared recordings together."""
@@ -230,7 +238,7 @@ class Distances:
     def smallest(self, trajectory: Fourier) -> float:
         """Return roughly the smallest D² over the pairs."""
         step = trajectory.period / SKETCH_SAMPLES
-        motion = trajectory.at(np.arange(SKETCH_SAMPLES) * step)
+        motion = replace(trajectory.at(np.arange(SKETCH_SAMPLES) * step), payload=self.payload)
         stuck = _stuck(motion, self.joints, int(np.ceil(STICK_REACH / (self.cutoff * step))))
         weight = np.sqrt(self.noise.weight[:, None] * (self.duration / SKETCH_SAMPLES)) * ~stuck
         # What a Butterworth filter run forwards and backwards leaves of a periodic signal, frequency by frequency.

@@ -12,7 +12,8 @@ Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, th
 
 and those of `machines.py`: what real machines have, with one effect hidden; and of `chains.py`: other machines than the
 leg, with one effect hidden or nothing. Their sizes are compared with the noise of the joint's own torque sensor. In
-those of `people.py` a person or the ground pushes too, with one effect hidden or nothing.
+those of `people.py` a person or the ground pushes too, with one effect hidden or nothing; there an effect is as large
+as it must be to show in what was recorded (`shown.py`).
 """
 
 from __future__ import annotations
@@ -33,12 +34,13 @@ from exoid.diagnosis.trials.machines import (
     kept_in,
     without_knee_drive,
 )
-from exoid.diagnosis.trials.people import PEOPLE, bench_of
+from exoid.diagnosis.trials.people import PEOPLE, UNMEASURED, as_measured, as_read, bench_of
+from exoid.diagnosis.trials.shown import shows
 from exoid.measurement.bench.blind import draw_hidden, relative_size
 from exoid.measurement.bench.hidden import Hidden, true_model
 from exoid.measurement.bench.leg import Leg, random_leg
 from exoid.measurement.bench.machine import Machine, random_machine
-from exoid.measurement.bench.simulation import BenchError, BenchRun, simulate_runs
+from exoid.measurement.bench.simulation import Bench, BenchError, BenchRun, simulate_runs
 from exoid.measurement.signals.conditioning import low_pass
 from exoid.measurement.signals.masks import widen
 from exoid.measurement.trajectories.trajectory import random_trajectory
@@ -74,6 +76,8 @@ SENSIBLE, SENSIBLE_SHARE = 10.0, 0.3
 """Times its typical size, and share of the torque of the machine, that an effect has at most where it is no leg's: what
 would have to be larger to be seen is not hidden there."""
 SHOWN_SUSPECTS = 6
+GROWN = 3
+"""Times that an effect is made half as large again, until it shows on a motion of its own."""
 
 
 _BUMP, _AT_SPEED = "c * exp(-((theta - m)/w)**2)", "c * exp(-((dtheta - m)/w)**2)"
@@ -132,10 +136,11 @@ class Case:
 
 def singles(model: Model | None = None) -> list[str]:
     """Return the name of every term of a machine (the leg) that its base model does not contain already."""
-    joints = (Model.standard() if model is None else model).joints
+    model = Model.standard() if model is None else model
+    joints = model.joints
     return [
         Term(effect, joint, joints).name
-        for effect in catalogue(joints).values()
+        for effect in catalogue(joints, model.wearer is not None).values()
         for joint in places_of(effect, joints)
         if joint not in effect.absorbed_on
     ]
@@ -305,8 +310,29 @@ def simulated(
     for _ in range(8):
         try:
             runs = simulate_runs(4, model, leg, effects=hidden, seed=case.number, bench=bench)
-            return hidden, tuple(worse(runs, rng))
+            break
         except BenchError:
             hidden = tuple(_scaled(one, 0.7) for one in hidden)
-    runs = simulate_runs(4, model, leg, effects=hidden, seed=case.number, bench=bench)
+    else:
+        runs = simulate_runs(4, model, leg, effects=hidden, seed=case.number, bench=bench)
+    if bench is not None:
+        return _beside_what_pushes(case, model, leg, hidden, runs, bench)
     return hidden, tuple(worse(runs, rng))
+
+
+def _beside_what_pushes(
+    case: Case, model: Model, leg: Leg | Machine, hidden: tuple[Hidden, ...], runs: tuple[BenchRun, ...], bench: Bench
+) -> tuple[tuple[Hidden, ...], tuple[BenchRun, ...]]:
+    """Return what is hidden in a leg that a person or the ground pushes, and its four runs. Sizes are drawn on another
+    motion: what does not show on this one, beside the noise of what measures the pushes, is made larger.
+    """
+    for _ in range(GROWN):
+        told = as_measured(runs) if case.kind in UNMEASURED else as_read(runs)
+        if not hidden or shows(model, runs, told):
+            break
+        larger = tuple(_possible(_scaled(one, 1.5), model, leg) for one in hidden)
+        try:
+            runs, hidden = simulate_runs(4, model, leg, effects=larger, seed=case.number, bench=bench), larger
+        except BenchError:
+            break
+    return hidden, runs

@@ -10,16 +10,14 @@ from typing import Any
 import numpy as np
 
 from exoid.diagnosis.discover import discover
-from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, subject, visible
 from exoid.diagnosis.trials.people import UNMEASURED, as_measured, as_read
+from exoid.diagnosis.trials.shown import true_fit
 from exoid.measurement.bench.blind import relative_size
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import BenchRun
 from exoid.measurement.recording import Recording
-from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.model import Model
 
 
@@ -75,15 +73,10 @@ def _true_structure(
     model: Model, runs: tuple[BenchRun, ...], recordings: Sequence[Recording]
 ) -> tuple[list[float], list[bool]]:
     """Return the error on unseen motion when the structure is known, and which intervals then cover the truth."""
-    true = runs[0].true
-    measured = {*true.model.channels} <= {*recordings[0].forces}
-    forces = true.model.forces if measured else ()
-    prepared = prepare(model.with_forces(*forces), recordings[:3], recordings[3:])
-    start = true.shape if true.shape.size else None
-    fit = identify(true.model.with_forces(*forces), prepared.train, optimisers=(), start=start)
-    rms = fitted_model(fit, prepared).verify_rms
+    known = true_fit(model, runs, recordings)
+    rms = known.verify_rms
     assert rms is not None
-    return rms.tolist(), _covered(fit.estimates, runs[0])
+    return rms.tolist(), _covered(known.fit.estimates, runs[0])
 
 
 def _covered(estimates: Any, run: BenchRun) -> list[bool]:

@@ -12,8 +12,7 @@ from exoid.ground.errors import EffectError
 from exoid.symbolic.catalogue import catalogue, find_effect
 from exoid.symbolic.effect_declaration import texts
 from exoid.symbolic.language.lower import to_numpy
-from exoid.symbolic.language.parser import parse
-from exoid.symbolic.language.words import allowed_words
+from exoid.symbolic.language.words import read_text
 from exoid.symbolic.term import Term
 
 WITH_TEXT = [effect for effect in catalogue().values() if effect.torque is not None]
@@ -37,7 +36,7 @@ def torque(effect, env, joint=None):
     """Return the torque at `joint` (0 hip, 1 knee), whose own words are taken from the numbered ones."""
     text = effect.torque if isinstance(effect.torque, str) else effect.torque[("hip", "knee")[joint]]
     own = {} if effect.on_both else {key[:-1]: value for key, value in env.items() if key.endswith(str(joint + 1))}
-    node = parse(text, allowed_words(not effect.on_both, (*effect.coefficients, *effect.shape)))
+    node = read_text(text, not effect.on_both, (*effect.coefficients, *effect.shape))
     return np.broadcast_to(to_numpy(node, env | own), env["t"].shape)
 
 
@@ -47,7 +46,7 @@ def motion():
     for j in (0, 1):
         load = 20.0 * np.sin(5.0 * W * T + j)  # the highest harmonic of the paper's excitation
         env |= {f"theta{j + 1}": ANGLE[j], f"dtheta{j + 1}": SPEED[j], f"ddtheta{j + 1}": 4.0 * np.sin(3.0 * T)}
-        env |= {f"tau_rigid{j + 1}": load, f"tau_model{j + 1}": load}
+        env |= {f"tau_rigid{j + 1}": load, f"tau_model{j + 1}": load, f"theta[{('hip', 'knee')[j]}]": ANGLE[j]}
     return env
 
 

@@ -22,7 +22,9 @@ def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray |
     residual = rng.normal(size=(2, samples))
     use = rng.uniform(size=(2, samples)) > 0.1
     motion = np.cumsum(rng.normal(size=(samples, 2)), axis=0)
-    return RecordingEvidence(columns, residual, use, motion, 50.0, np.zeros(samples, int) if fold is None else fold)
+    units = np.zeros(samples, int) if fold is None else fold
+    starts = lambda seconds: np.arange(0, samples, int(50.0 * seconds))  # noqa: E731
+    return RecordingEvidence(columns, residual, use, motion, 50.0, units, starts)
 
 
 def refit(blocks, extra, fit, held, sigma):
@@ -126,6 +128,7 @@ def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
         motion,
         50.0,
         np.zeros(1500, int),
+        lambda seconds: np.arange(0, 1500, int(50.0 * seconds)),
     )
     shifts = Evidence([one, one], [], seed=1, draws=400).shifts[0] / 50.0
     distance = np.abs(shifts[:, None] - np.array([0.0, 10.0, 20.0, 30.0])).min()

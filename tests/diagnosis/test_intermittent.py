@@ -16,6 +16,9 @@ from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.bench.walk import Walk
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
 from tests.walking import on_the_ground, walked
 
@@ -73,11 +76,25 @@ def test_contact_is_no_convention(walks, monkeypatch):
     assert check_conventions(walks)
 
 
-def test_a_third_of_the_time_is_enough(walks, monkeypatch):
+def test_a_third_of_the_time_is_enough_although_the_search_begins_with_more(walks, monkeypatch):
     base = fitted(walks)
     assert intermittent(base) is not None
     monkeypatch.setattr(trimmed, "PART", 0.8)
+    assert intermittent(base) is not None
+
+
+@pytest.mark.shows("intermittent.GROUND")
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_push_at_one_joint_that_the_motion_predicts_is_no_ground(side, monkeypatch):
+    def bent(one, rng):
+        push = side * 30.0 * np.clip((one.q[:, 0] - 0.1) / 0.05, 0.0, 1.0) * (1.0 + 0.3 * np.sin(3.0 * one.q[:, 1]))
+        return np.column_stack([push, 0.0 * one.t])
+
+    base = with_torque(bent)
     assert intermittent(base) is None
+    monkeypatch.setattr(module, "GROUND", 0.0)
+    monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda base, noise: False)
+    print(side, intermittent(base))
 
 
 @pytest.mark.shows("intermittent.BEYOND")
@@ -127,15 +144,39 @@ def test_a_light_foot_of_the_bench_is_suspected():
     assert 0.55 < found.share < 0.75 and 1.2 < found.period < 1.8 and "upwards" in found.force
 
 
-@pytest.mark.shows("intermittent.FAR")
-def test_heavy_contact_is_contact_although_its_strides_are_much_alike(walks, monkeypatch):
+def test_contact_is_contact_although_curves_in_the_motion_predict_it(walks, monkeypatch):
     base = fitted(walks)
-    monkeypatch.setattr(module, "BEYOND", 0.9)
+    monkeypatch.setattr(module, "BEYOND", 10.0)
     assert intermittent(base) is not None
-    monkeypatch.setattr(module, "FAR", 100.0)
+    monkeypatch.setattr(module, "_force", lambda *given: "")
     assert intermittent(base) is None
+
+
+def test_soft_ground_at_a_height_is_contact_although_it_is_a_function_of_the_angles():
+    def ground(one, rng):
+        height = 1.0 - 0.4 * np.cos(one.q[:, 0]) - 0.43 * np.cos(one.q.sum(axis=1))
+        push = 4000.0 * np.maximum(np.quantile(height, 0.45) - height, 0.0)
+        shin = 0.43 * np.sin(one.q.sum(axis=1))
+        return -push[:, None] * np.column_stack([0.4 * np.sin(one.q[:, 0]) + shin, shin])
+
+    assert "upwards" in intermittent(with_torque(ground)).force
 
 
 def test_a_hard_stop_is_no_contact():
     base = with_torque(lambda one, rng: np.outer(1000.0 * np.maximum(one.q[:, 0] - 0.45, 0.0), (1.0, 0.0)))
     assert intermittent(base) is None
+
+
+def test_three_joints_tell_where_the_foot_is():
+    model = Model("leg with ankle", joints=tuple(Joint(name, length=0.4) for name in ("hip", "knee", "ankle")))
+    at, out = Force("ground", "ankle", ("grf_x", "grf_z")), []
+    for index, run in enumerate(simulate_runs(3, model, seed=2, bench=Bench(duration=20.0))):
+        one, rng = run.recording, np.random.default_rng(index)
+        begins = np.arange(1.0, 19.0, 1.5) + rng.uniform(0.0, 0.3, 12)
+        part = np.clip((one.t[:, None] - begins) / 0.8, 0.0, 1.0)
+        force = np.column_stack([0.0 * one.t, (np.sin(np.pi * part) * rng.uniform(100.0, 200.0, 12)).sum(axis=1)])
+        pushed = pushed_torques(placed_joints(model), one.q, at, 0.12, force)
+        out.append(replace(one, tau=one.tau + pushed))
+    prepared = prepare(model, out[:-1], out[-1:])
+    found = intermittent(fitted_model(identify(model, prepared.train, optimisers=()), prepared))
+    assert "0.12 m along" in found.force and "upwards" in found.force

@@ -29,7 +29,8 @@ def block(residual, columns=None, use=None, motion=None) -> RecordingEvidence:
     own = np.sin(0.37 * np.arange(count))[:, None] if columns is None else columns
     path = np.random.default_rng(count).standard_normal((count, 1)) if motion is None else motion
     used = np.ones((1, count), bool) if use is None else use[None]
-    return RecordingEvidence(own[None], residual[None], used, path, RATE, np.zeros(count, int))
+    units, starts = np.zeros(count, int), lambda seconds: np.arange(0, count, max(1, int(RATE * seconds)))
+    return RecordingEvidence(own[None], residual[None], used, path, RATE, units, starts)
 
 
 def noise(seed: int, count: int = 1000) -> np.ndarray:

@@ -5,11 +5,17 @@ import pytest
 
 from exoid.diagnosis.compare import compare
 from exoid.diagnosis.evidence import strides as module
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.look_alikes import block_losses
 from exoid.measurement.bench.simulation import Bench, simulate
 from exoid.measurement.bench.walk import Walk
+from exoid.measurement.forces import pushed_model
 from exoid.measurement.recording import Recording
 from exoid.measurement.stance import stances_of
+from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation import strides as cutting
+from exoid.optimisation.preparation.prepare import prepare
 from exoid.optimisation.preparation.strides import PHASES, cut_into_strides
 from exoid.symbolic.model import Model
 
@@ -71,6 +77,20 @@ def test_where_contact_is_measured_strides_begin_at_the_step():
         found = compare(Model.standard(), [simulate(seed=1, bench=bench)], [simulate(seed=2, bench=bench)]).strides
         assert found.joint is None and found.stance == pytest.approx(0.6, abs=0.04)  # loaded from a twentieth on
         assert "from one step of the foot to its next" in found.sentence
+
+
+def test_what_is_held_out_of_a_lone_walk_is_whole_strides_and_its_losses_are_compared_stride_against_stride():
+    walk = simulate(seed=1, bench=Bench(duration=20.0, walk=Walk(stride=1.3), measured=("plate",)))
+    model = pushed_model(Model.standard(), [walk])
+    prepared = prepare(model, [walk])
+    fitted = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+    one, evidence = prepared.train[0], fitted.evidence(seed=0, draws=0)
+    steps, units = one.strides.starts(len(one.kept)), evidence.blocks[0].fold
+    borders = np.flatnonzero(np.diff(units)) + 1
+    assert len(borders) == evidence.rules.blocks - 1 and {*borders} <= {*steps}
+    assert np.abs(borders / len(units) - [0.25, 0.5, 0.75]).max() < 0.6 * 1.3 / 20.0
+    blank = [Columns((0, 1), np.ones((1, 2, len(one.kept), 1)))]
+    assert len(block_losses(evidence, evidence.plain(blank), blank)) == len(steps)
 
 
 def test_a_foot_that_is_seen_once_does_not_cut_a_walk():

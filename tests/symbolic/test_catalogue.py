@@ -15,8 +15,7 @@ from exoid.symbolic.effect_declaration import check_effect, texts
 from exoid.symbolic.language.instant import split_memory
 from exoid.symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from exoid.symbolic.language.operators import MEMORY
-from exoid.symbolic.language.parser import parse
-from exoid.symbolic.language.words import MODEL_TORQUE, allowed_words
+from exoid.symbolic.language.words import MODEL_TORQUE, read_text
 from exoid.symbolic.language.writing import to_text
 from exoid.symbolic.term import Term
 
@@ -27,7 +26,7 @@ every_effect = pytest.mark.parametrize("effect", catalogue().values(), ids=catal
 
 
 def node_of(effect, text):
-    return parse(text, allowed_words(not effect.on_both, (*effect.coefficients, *effect.shape)))
+    return read_text(text, not effect.on_both, (*effect.coefficients, *effect.shape))
 
 
 def signals(effect, node, n=200):

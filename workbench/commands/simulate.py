@@ -138,7 +138,8 @@ def _draw(seed: int, model: Any) -> Any:
     from exoid.symbolic.catalogue import catalogue
 
     # A stream of its own: the motion drawn from the same seed must not tell what is hidden.
-    return draw_hidden(np.random.default_rng([seed, 99]), catalogue().values(), model=model)
+    known = catalogue(worn=model.wearer is not None).values()
+    return draw_hidden(np.random.default_rng([seed, 99]), known, model=model)
 
 
 def _refuse_overwriting(folder: Path, count: int) -> None:

@@ -76,6 +76,7 @@ ANSWERS: dict[str, Callable[[Workspace, Request], Response]] = {
         numbers.error_of(workspace, workspace.opened(), _number(request, "recording"))
     ),
     "preview": _preview,
+    "strides": lambda workspace, request: JSONResponse(numbers.strides(workspace, workspace.opened())),
     "answer": lambda workspace, request: _bytes(
         numbers.other_error_of(workspace, workspace.opened(), _number(request, "recording"))
     ),

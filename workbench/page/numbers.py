@@ -64,6 +64,14 @@ def error_of(workspace: Workspace, session: Session, index: int) -> bytes:
     return packed({**head, "provisional": True}, {"error": residuals})
 
 
+def strides(workspace: Workspace, session: Session) -> dict[str, Any]:
+    """Return torque, present model and error over the stride; {"strides": None} where the motion has no strides."""
+    from exoid.diagnosis.evidence.strides import strides_of
+
+    found = strides_of(session.known(workspace.names) or session.fitted())
+    return {"strides": None if found is None else found.to_json()}
+
+
 def preview_of(workspace: Workspace, session: Session, name: str, index: int) -> bytes:
     """Return the error (J, K) N·m as it would become with one more effect, and between which its placebos stay."""
     _recording(session, index)

@@ -7,6 +7,7 @@ import { offerMapping } from "./panels/mapping.js";
 import { drawRecordings } from "./panels/recordings.js";
 import { catchDrops, drawStart } from "./panels/start.js";
 import { doing, problem, say } from "./panels/status.js";
+import { drawStrides } from "./panels/strides.js";
 import { drawSuspects, point } from "./panels/suspects.js";
 import { drawTakeaway } from "./panels/takeaway.js";
 import { drawVerdict, drawWaiting } from "./panels/verdict.js";
@@ -48,6 +49,7 @@ function drawAll() {
   for (const id of ["fold-side", "show-keys"]) $(id).hidden = false;
   for (const id of ["compare", "history", "against", "notes", "stance", "watch", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
   if (!state.ready) {
+    $("strides").hidden = true;
     drawWaiting();
     return;
   }
@@ -57,6 +59,7 @@ function drawAll() {
   drawSuspects();
   drawTakeaway();
   drawWatch();
+  drawStrides();
   drawSelection();
   doing(loadCompare());
 }
