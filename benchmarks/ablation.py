@@ -1,7 +1,7 @@
 """What each rule of the decision is worth: switched off alone, on the arena's cases in which it fires, paired.
 
     python benchmarks/ablation.py FOLDER                     ask every case, then switch every rule off where it fired
-    python benchmarks/ablation.py FOLDER --cases 60 --only exchange prune
+    python benchmarks/ablation.py FOLDER --cases 60 --only exchange drop_unsteady
     python benchmarks/ablation.py FOLDER --page              the table, from what was answered so far
 
 A rule that fires in no case changes none. FOLDER holds fired.jsonl (case, what it answers, which rules fired) and
@@ -64,11 +64,10 @@ def _as_it_was(context: Any, state: Any) -> Any:
 def _switches() -> Iterator[Switch]:
     for name in ("too_short", "on_bound", "undetermined", "made_by_the_filter", "beside_standstill"):
         yield Switch("search.doubt", name, _says(""))
-    yield Switch("search.doubt", "torque_before_motion", _says(""))
     yield Switch("search.choice", "outlives_noise", _says(True))
     yield Switch("search.choice", "_twins", _says([]))
     yield Switch("search.containing", "contains", _says(False))
-    for name in ("prune", "exchange", "drop_unsteady"):
+    for name in ("exchange", "drop_unsteady"):
         yield Switch(f"search.{name}", name, _as_it_was)
     yield Switch("search.take_back", "proxies", _says(frozenset()))
     yield Switch("search.take_back", "left_over", _says(None))
