@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, FrontEnd, poles
-from exoid.diagnosis.watching.window import LEAST_WEIGHT
+from exoid.diagnosis.watching.window import STEADY, column_errors
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
 from exoid.workbench.updater import first_estimator
@@ -40,7 +40,8 @@ class Updater:
         done, self.state = poles(whole, self.filters.common, self.state)
         first = -self.count % self.filters.stride
         self.count += len(made)
+        errors = column_errors(self.model, made.q, self.filters.roughness * made.noise, self.shape)
         for k in range(first, len(made), self.filters.stride):
             total = np.maximum(done[:, 0, k], 1e-6)
-            use = done[:, 0, k] > LEAST_WEIGHT
-            self.estimator.step(done[:, 2:, k] / total[:, None], done[:, 1, k] / total, use)
+            use = done[:, 0, k] > STEADY
+            self.estimator.step(done[:, 2:, k] / total[:, None], done[:, 1, k] / total, use, errors[k])

@@ -31,9 +31,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.watch_rivals import Filtered, cusum, oracle
 from benchmarks.watched_leg import Truth, drawn, exact_rows
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.watching.acting import Applied
 from exoid.diagnosis.watching.events import Event
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.watcher import Watcher
 from exoid.diagnosis.watching.window import Window
@@ -96,6 +96,7 @@ def change_run(seed: int, truth: Truth) -> dict:
     events, cost = watched(rows, moment)
     alarms = [e for e in events if e.alarm]
     later = [e for e in alarms if e.t >= moment]
+    words = [e.t for e in events if e.t >= moment and (e.alarm or e.event == "suspected")]
     named = [e for e in later if e.names and e.kind != "over"]
 
     def names(some: list[Event]) -> tuple[set[str], set[str]]:
@@ -108,6 +109,7 @@ def change_run(seed: int, truth: Truth) -> dict:
     out = {
         "seed": seed, "effect": change.name, "size": size, "full": seed % 3 == 0, "moment": moment, **cost,
         "false": len(alarms) - len(later), "delay": later[0].t - moment if later else None,
+        "delay_word": words[0] - moment if words else None,
         "delay_name": named[0].t - moment if named else None,
         "said": [(round(e.t - moment, 1), e.event, e.kind, e.names, e.more.get("nearest")) for e in later],
         "last": sorted(last[0]), "alike": sorted(last[1]),
@@ -173,10 +175,12 @@ def summed_up(lines: list[dict]) -> dict:
         seen = [r for r in some if r["delay"] is not None]
         named = [r for r in seen if r["delay_name"] is not None]
         since = [r["since"] for r in named if r["since"]]
+        words = [r["delay_word"] for r in some if r.get("delay_word") is not None]
         out[name] = {
             "runs": len(some), "detected": len(seen), "named": len(named), "right": sum(r["right"] for r in named),
             "exact": sum(r["exact"] for r in named), "first_right": sum(r["first_right"] for r in named),
             "look_alikes": float(np.median([len(r["alike"]) for r in named])) if named else None,
+            "median_delay_word": float(np.median(words)) if words else None,
             "median_delay": float(np.median([r["delay"] for r in seen])) if seen else None,
             "median_delay_name": float(np.median([r["delay_name"] for r in named])) if named else None,
             "false": sum(r["false"] for r in some), "hours_before": sum(r["seconds_before"] for r in some) / HOUR,

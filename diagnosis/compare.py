@@ -29,7 +29,7 @@ from exoid.ground.lazy import LentMethod
 from exoid.ground.plain import AsJson
 from exoid.measurement.finding import Finding
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.reading.given import Given, of_the_leg, question_of
 from exoid.measurement.signals.methods import BUTTERWORTH
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -167,6 +167,7 @@ class Comparison(AsJson):
     report = LentMethod[Path]("exoid.workbench.report.result:write_result")
 
 
+@of_the_leg
 @understood()
 def compare(
     model: Model | Fit,

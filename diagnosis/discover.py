@@ -17,6 +17,7 @@ from exoid.diagnosis.evidence.own_sway import own_sway
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.question import Question
+from exoid.diagnosis.readings import BY_NAME as READINGS
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
@@ -31,7 +32,7 @@ from exoid.ground.engines.workers import once, with_copies
 from exoid.ground.progress import Progress, silent
 from exoid.ground.settings import spelt_out
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.reading.given import Given, of_the_leg, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -39,6 +40,7 @@ from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
 
 
+@of_the_leg
 @spelt_out(DiscoverySettings)
 def discover(
     model: Model | Fit,
@@ -124,6 +126,8 @@ def _answer(
     if done.answer is not None:
         return as_given(done.answer)
     extensions = state.extensions
+    if wrong := next((name for name in state.names if name in READINGS), None):
+        return as_given(doubted(READINGS[wrong].what_is_wrong(extensions[-1].fitted.fit)))
     on_all = done.context.prepared is prepared
     found_last = extensions[-1].fitted if on_all else fitted_model(extensions[-1].fitted.fit, prepared)
     judged = found_last.judged_anew() if len(extensions) > 1 else prepared
@@ -149,13 +153,15 @@ def _answer(
     )
     if soft is not None:
         return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
+    accepted = tuple(map(_in_words, accepted))
     behind_filter = _filtered(done.context, state, rules)
     if behind_filter is not None and behind_filter.doubt is not None:
         return as_given(doubted(behind_filter.doubt))
     if behind_filter is not None:
         also = (behind_filter.name,)
         accepted = tuple(
-            replace(a, look_alikes=(*a.look_alikes, *also), outside=also) if a.effect == DELAY else a for a in accepted
+            replace(a, look_alikes=(*a.look_alikes, *also), outside=(*a.outside, *also)) if a.effect == DELAY else a
+            for a in accepted
         )
     sway = own_sway(state.last.fitted, done.context.noise(state.last), rules)
     if sway is not None:
@@ -175,6 +181,15 @@ def _agreed(
     return tuple(replace(one, agreement=own, against=tuple(names[k] for k in own.against)) for one, own in pairs)
 
 
+def _in_words(one: Accepted) -> Accepted:
+    """Return what was accepted with readings among its look-alikes named in words: no catalogue has them."""
+    also = {name: READINGS[name].EFFECT.title.lower() for name in one.look_alikes if name in READINGS}
+    if not also:
+        return one
+    alike, never = (tuple(also.get(n, n) for n in names) for names in (one.look_alikes, one.never_separable))
+    return replace(one, look_alikes=alike, never_separable=never, outside=tuple(also.values()))
+
+
 def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTorque | None:
     """Return the filter on the torque that may be what the accepted delays stand for; None where none may."""
     last = state.last.fitted
@@ -188,6 +203,7 @@ def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTor
     return filtered(context.without(state.last, late).fitted, joints, rules)
 
 
+@of_the_leg
 @spelt_out(DiagnosisSettings)
 def diagnose(
     model: Model | Fit,

@@ -30,6 +30,7 @@ from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import JOINTS
+from exoid.symbolic.wording import added_said
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -130,7 +131,7 @@ def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str
     lines = []
     for step in steps:
         numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(joints, step.evaluation_rms, strict=True))
-        lines.append(f"{step.label}: {step.judged} error [{unit}] {numbers}")
+        lines.append(f"{added_said(step.label)}: {step.judged} error [{unit}] {numbers}")
     return "\n".join(lines)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +39,7 @@ Groups = Mapping[str, NDArray[np.bool_]]
 Quantity = tuple[str, str]
 """What an axis shows, in words, and its unit."""
 Bar = tuple[str, str | None, float, bool]
-"""A suspect: its name, its joint (None: both), the share it explains, and whether placebos do not match it."""
+"""A suspect: its name, its joint (None: both), the share it explains, and whether one is sure of it."""
 
 
 def falling_error(
@@ -66,7 +67,7 @@ def falling_error(
                 axes.bar(place, fitted[:, j], 0.5, color=ROLE_COLOURS["train"], label="fitted motion")
                 _numbers(axes, place, fitted[:, j])
             axes.axhline(noise_floor[j], color=ROLE_COLOURS["floor"], linestyle="--", label="noise floor")
-            axes.set_xticks(place, [name.replace(":", "\n") for name in names], fontsize=8)
+            axes.set_xticks(place, [fill(name, 20) for name in names], fontsize=8)
             axes.set(title=joint, ylabel=label("RMS error", unit))
             axes.margins(y=0.18)
             axes.grid(axis="x", visible=False)
@@ -186,9 +187,7 @@ def curve(
 
 
 def suspects(bars: Sequence[Bar], most: int = 10) -> Figure:
-    """Draw how much of the unseen error each suspect explains, best first; those that placebos do not match are
-    filled.
-    """
+    """Draw how much of the unseen error each suspect explains, best first; those of which one is sure are filled."""
     rows = [bar for bar in bars if bar[2] > 0.0][:most][::-1]
     with figure_style():
         figure = new_figure(6.4, 0.8 + 0.3 * max(1, len(rows)))
@@ -198,7 +197,10 @@ def suspects(bars: Sequence[Bar], most: int = 10) -> Figure:
             colour = colours.get(joint or "", ROLE_COLOURS["floor"])
             axes.barh(place, 100 * share, color=colour if sure else "none", edgecolor=colour)
         axes.set_yticks(range(len(rows)), [name for name, *_ in rows], fontsize=8)
-        axes.set(xlabel=label("share of the unseen error explained alone", "%"), title="Suspects (filled: p ≤ 0.01)")
+        axes.set(
+            xlabel=label("share of the unseen error explained alone", "%"),
+            title="Suspects (filled: very or fairly sure)",
+        )
         axes.grid(axis="y", visible=False)
     return figure
 

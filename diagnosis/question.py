@@ -13,6 +13,7 @@ from exoid.diagnosis.evidence.intermittent import intermittent
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft, seek_later
 from exoid.diagnosis.evidence.stretches import searched_stretches
+from exoid.diagnosis.readings import readings_of
 from exoid.diagnosis.results import Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
@@ -78,7 +79,8 @@ class Question:
         asked, rules, prepared = self.asked, self.rules, base.prepared
 
         def context_of(part: Prepared) -> SearchContext:
-            library = build_library(self.model, part.all, own_effects(self.model, asked.extra))
+            more = (*own_effects(self.model, asked.extra), *readings_of(self.model, prepared))
+            library = build_library(self.model, part.all, more)
             return SearchContext(part, library, asked.seed, tick, rules)
 
         answer = _before_any_search(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -20,7 +21,7 @@ from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.plots import falling_error, suspects
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.sureness import MEANINGS, least_sure, meanings_of, sureness
+from exoid.diagnosis.sureness import FAIRLY, MEANINGS, VERY, least_sure, meanings_of, sureness
 from exoid.diagnosis.torques import torques_over_time
 from exoid.ground.frames import pandas
 from exoid.ground.html import Bar, bullets, fold, lines, picture, table
@@ -32,7 +33,7 @@ from exoid.optimisation.fitting.thigh_length import ThighLength
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import JOINTS, Estimate
-from exoid.symbolic.wording import called
+from exoid.symbolic.wording import added_said, called, number_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,8 +99,9 @@ class Accepted(AsJson):
 
     @property
     def fall(self) -> float:
-        """By what share of itself the squared error of unseen motion fell with it, the joints' mean."""
-        return float(1.0 - np.mean((self.rms_after / self.rms_before) ** 2))
+        """By what share of itself the squared error of unseen motion fell with it, the mean of the joints it shows."""
+        seen = np.asarray(self.rms_before) > 0.0
+        return float(1.0 - np.mean((self.rms_after[seen] / self.rms_before[seen]) ** 2)) if seen.any() else 0.0
 
     @property
     def name(self) -> str:
@@ -114,7 +116,8 @@ class Accepted(AsJson):
     @property
     def stability(self) -> str:
         """In how many splits of the recordings it is accepted, with which values; "" where none can tell."""
-        return stability_of(self.agreement, {name: e.unit for name, e in self.parameters.items()}, self.against)
+        units = {name: e.unit for name, e in self.parameters.items()}
+        return stability_of(self.agreement, units, self.against, partial(number_of, self.effect))
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,8 +148,12 @@ class Possible(AsJson):
         return f"{called(self.name)}: {self.reason}"
 
 
-def stability_of(agreement: Agreement, units: Mapping[str, str], against: Sequence[str] = ()) -> str:
-    """Return e.g. "accepted in 83 of 84 splits, c = 0.0031 to 0.0042 kg·m²", and which recordings disagree."""
+def stability_of(
+    agreement: Agreement, units: Mapping[str, str], against: Sequence[str] = (), said: Callable[[str], str] = str
+) -> str:
+    """Return e.g. "accepted in 83 of 84 splits, c 0.0031 to 0.0042 kg·m²", and which recordings disagree; `said` is
+    what a number is called.
+    """
     if agreement.share is None:
         return ""
     text = f"accepted in {agreement.accepted} of {agreement.of} splits of the recordings"
@@ -154,7 +161,7 @@ def stability_of(agreement: Agreement, units: Mapping[str, str], against: Sequen
         if low == high:  # a choice
             continue
         unit = "" if units.get(name, "1") in ("1", "") else f" {units[name]}"
-        text += f", {name} = {low:.3g} to {high:.3g}{unit}"
+        text += f", {said(name)} {low:.3g} to {high:.3g}{unit}"
     if against and agreement.accepted < agreement.of:
         text += f"; it loses where {', '.join(against)} are held out"
     return text
@@ -314,8 +321,7 @@ class Diagnosis(AsJson):
             best = ", ".join(self.called(s.name) for s in self.suspects[:3])
             alt = f"Share of the unseen error each suspect explains alone; first: {best}."
             bars = [
-                (s.name, s.joint, s.explained_share, s.p_value is not None and s.p_value <= 0.01 and not s.caution)
-                for s in self.suspects
+                (self.called(s.name), s.joint, s.explained_share, s.sureness in (VERY, FAIRLY)) for s in self.suspects
             ]
             out.append(("Suspects", alt, suspects(bars)))
         if self.unexplained is not None:
@@ -324,9 +330,10 @@ class Diagnosis(AsJson):
 
     def __repr__(self) -> str:
         lines = [f"{self.verdict}: {self.headline}", f"  {self.further}", f"  why: {self.rule}"]
-        for step in self.steps:
+        names = [added_said(step.label) for step in self.steps]
+        for step, name in zip(self.steps, names, strict=True):
             numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))
-            lines.append(f"  {step.label:<28} {step.judged} error [{self.unit}]: {numbers}")
+            lines.append(f"  {name:<{max(map(len, names))}}  {step.judged} error [{self.unit}]: {numbers}")
         lines += [f"  {self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
         lines += [f"  possible, {p.sentence}" for p in self.possible]
         return "\n".join(lines)
@@ -350,7 +357,6 @@ class Diagnosis(AsJson):
             + lines(self.next_experiment and f"measure next: {self.next_experiment}")
         )
 
-
     @property
     def _stable(self) -> list[str]:
         return [f"{self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
@@ -373,13 +379,11 @@ def steps_figure(
     """Draw the falling error."""
     unseen = [step.verify_rms for step in steps if step.verify_rms is not None]
     fitted = np.array([step.train_rms for step in steps])
-    names = [s.label for s in steps]
+    names = [added_said(s.label) for s in steps]
     return falling_error(names, fitted, np.array(unseen) if unseen else None, noise_floor, joints, unit)
 
 
-def steps_table(
-    steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m"
-) -> str:
+def steps_table(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m") -> str:
     """Return the falling error as an HTML table with bars, the noise floor as its last row."""
     longest = np.max([step.evaluation_rms for step in steps], axis=0)
 
@@ -390,7 +394,8 @@ def steps_table(
     rows: list[tuple[Any, ...]] = []
     for step in steps:
         pairs = ((step.train_rms, step.verify_rms is None), (step.verify_rms, True))
-        rows.append((step.label, *(cell(values, j, shown) for j in range(len(joints)) for values, shown in pairs)))
+        cells = (cell(values, j, shown) for j in range(len(joints)) for values, shown in pairs)
+        rows.append((added_said(step.label), *cells))
     rows.append(("noise floor", *np.repeat(noise_floor, 2).tolist()))
     head = (f"RMS error [{unit}]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
     return table(head, rows)

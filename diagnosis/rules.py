@@ -206,9 +206,6 @@ class Rules:
         0.25,
         "part of the held-out squared error left by a fit of its own: an error of the model called a change",
     )
-    own_length: float = _rule(
-        CHANNELS, 0.5, "part of the squared error left by another thigh length: effects named for a wrong length"
-    )
     soft_asked: float = _rule(
         CHANNELS, 1.5, "times the noise from which it is asked whether a drive is too soft for its encoder: noise"
     )

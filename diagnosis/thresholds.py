@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import exoid.diagnosis.against
 import exoid.diagnosis.evidence
 import exoid.diagnosis.extend
 import exoid.diagnosis.separation
@@ -15,6 +16,7 @@ import exoid.measurement.signals
 import exoid.measurement.stance
 import exoid.optimisation.fitting
 import exoid.optimisation.preparation
+import exoid.optimisation.recursive
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import Rule, thresholds_in
 
@@ -37,4 +39,6 @@ def every_threshold() -> Iterator[Rule]:
     yield from thresholds_of_a_diagnosis()
     yield from thresholds_in(exoid.diagnosis.extend, "an effect that is added by hand")
     yield from thresholds_in(exoid.diagnosis.separation, "the experiment that separates rivals")
-    yield from thresholds_in(exoid.diagnosis.watching, "before against after, and a machine while it runs")
+    yield from thresholds_in(exoid.diagnosis.against, "before against after")
+    yield from thresholds_in(exoid.optimisation.recursive, "numbers that are followed")
+    yield from thresholds_in(exoid.diagnosis.watching, "a machine while it runs")

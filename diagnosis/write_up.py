@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
+from typing import TypeVar
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.consistency import differing
@@ -17,10 +18,12 @@ from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.question import Searched, steps_of
+from exoid.diagnosis.readings import BY_NAME as READINGS
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.doubt import too_short
 from exoid.diagnosis.search.state import Extension
+from exoid.diagnosis.sureness import FAIRLY, VERY
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
 from exoid.measurement.finding import Finding
@@ -30,6 +33,8 @@ from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.term import Term
+
+Ranked = TypeVar("Ranked")
 
 
 def possible_beside(
@@ -98,6 +103,7 @@ def write_up(
     """Return the answer to a question, with everything that it rests on."""
     prepared, last = done.prepared, extensions[-1]
     first = () if conclusion.verdict == "check_channels" else done.found.first
+    first = tuple(score for score in first if score.name not in READINGS)
     steps = steps_of(extensions, [one.sentence for one in accepted])
     named = {a.name: a for a in accepted}
     told_apart = (
@@ -106,12 +112,13 @@ def write_up(
     length = None if conclusion.outside else wanted_thigh_length(last.fitted.fit, prepared)
     power = _power(done) if conclusion.verdict == "adequate" else ()
     said = power_said(power, last.fitted.model.find_effect)
+    suspects = (_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution)
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
         sentence=f"{conclusion.sentence} {said}".rstrip(),
         accepted=accepted,
-        suspects=tuple(_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution),
+        suspects=tuple(best_first(suspects, lambda one: one.sureness, lambda one: one.explained_share)),
         steps=steps,
         noise_floor=prepared.noise_floor,
         unexplained=left,
@@ -154,6 +161,14 @@ def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
         return ()
     remedy = f"record at least {rules.least_seconds:g} s of motion to fit, in two recordings or more"
     return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, rules.least_seconds, remedy),)
+
+
+def best_first(
+    suspects: Iterable[Ranked], word: Callable[[Ranked], str], share: Callable[[Ranked], float]
+) -> list[Ranked]:
+    """Return suspects in the order in which a person reads them: what is sure first, then the larger shares."""
+    ordered = ascending(suspects, lambda one: -share(one), 1.0)
+    return sorted(ordered, key=lambda one: word(one) not in (VERY, FAIRLY))
 
 
 def _suspect(score: Score, accepted: dict[str, Accepted], steps: Sequence[Step], noise_floor: Float) -> Suspect:

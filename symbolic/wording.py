@@ -28,11 +28,26 @@ def called(name: str, find: Callable[[str], Effect] = find_effect) -> str:
         return name
 
 
+def added_said(label: str, said: Callable[[str], str] = called) -> str:
+    """Return "+ Stribeck friction at the hip" of a step "+ stribeck:hip"; of any other step its label."""
+    if not label.startswith("+ "):
+        return label
+    return " ".join(f"+ {said(name)}" for name in label.removeprefix("+ ").split(" + "))
+
+
 def number_called(effect: Effect, key: str) -> str:
     """Return what one number of an effect is: "stiffness of the stop"; its own name where nothing explains it."""
     entry = _entry(effect, key)
     told = "" if entry is None or CHOICE.search(entry.explains) else re.split(r"[;:(,]", entry.explains)[0].strip()
     return told or key
+
+
+def number_of(id: str, key: str) -> str:
+    """Return the same of an effect by its id; the number's own name where the catalogue has no such effect."""
+    try:
+        return number_called(find_effect(id), key)
+    except EffectError:
+        return key
 
 
 def number_said(effect: Effect, key: str, value: float, unit: str, half: float | None = None) -> str:

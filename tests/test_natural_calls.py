@@ -57,6 +57,15 @@ def test_the_same_recording_in_any_form_gives_the_same_answer(bench, called):
     assert np.array_equal(found.rms, first.rms) and found.verify_rms is None
 
 
+def test_recordings_alone_are_of_the_standard_leg(bench):
+    first = exoid.compare(bench.leg, bench.runs[:1])
+    for found in (exoid.compare(bench.files[0]), exoid.compare(recordings=bench.frames[0]),
+                  exoid.Session(bench.files[:1]).compare()):  # fmt: skip
+        assert np.array_equal(found.rms, first.rms)
+    with pytest.raises(exoid.ExoidError, match="recordings"):
+        exoid.compare("leg.toml")
+
+
 HELD_OUT = {
     "a path": lambda b: b.files[3],
     "a frame": lambda b: b.frames[3],

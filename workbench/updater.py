@@ -1,5 +1,5 @@
 """The recursive estimator in C99: a struct, no allocation, no dependency but math.h; the numbers of
-`exoid.diagnosis.watching.estimator` step by step.
+`exoid.optimisation.recursive.estimator` step by step.
 """
 
 from __future__ import annotations
@@ -7,7 +7,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exoid.diagnosis.watching.estimator import (
+from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
+from exoid.diagnosis.watching.window import STEADY
+from exoid.ground.text import in_comment
+from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
+from exoid.optimisation.preparation.sticking import STICK
+from exoid.optimisation.recursive.encoder_noise import DIFFERENCE, MIDDLE, following
+from exoid.optimisation.recursive.estimator import (
     FORGOTTEN,
     FORGOTTEN_LEAST,
     LEAST_BLOCKS,
@@ -15,12 +21,7 @@ from exoid.diagnosis.watching.estimator import (
     Estimator,
     constants,
 )
-from exoid.diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, filled
-from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
-from exoid.diagnosis.watching.window import LEAST_WEIGHT
-from exoid.ground.text import in_comment
-from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
-from exoid.optimisation.preparation.sticking import STICK
+from exoid.optimisation.recursive.estimator_c import ESTIMATION, FIELDS, FORGETTING, SPREADING, filled
 from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
 from exoid.symbolic.model import Model, require_no_force, require_still_base
 from exoid.symbolic.model_file import Numbers
@@ -56,6 +57,8 @@ def write_updater(
     joints, count = len(model.joints), len(model.parameters)
     values = {
         "FIELDS": FIELDS.rstrip(), "ESTIMATION": ESTIMATION, "FORGETTING": FORGETTING,
+        "SPREADING": SPREADING, "DIFFERENCE": _list(DIFFERENCE), "QUIET": repr(MIDDLE * float(DIFFERENCE @ DIFFERENCE)),
+        "LISTEN": repr(following(filters.rate)), "ROUGH": repr(filters.roughness),
         "TYPE": f"{name}_updater", "name": name, "guard": f"{name}_updater_h".upper(),
         "J": joints, "P": count, "W": count + 2, "MODEL": in_comment(model.name),
         "NAMES": ", ".join(f"{k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)),
@@ -66,7 +69,7 @@ def write_updater(
         "LAG": filters.lag, "SIGN": repr(SIGN_WIDTH),
         "RINGING": filters.ringing, "ABSURD": repr(ABSURD), "LATEST": repr(LATEST), "FASTEST": repr(FASTEST),
         "FARTHEST": repr(FASTEST * sample_time), "LASTING": repr(LASTING), "LONGEST": int(LONGEST_HOLE / sample_time),
-        "LEAST": repr(LEAST_WEIGHT), "ENOUGH": repr(LEAST_BLOCKS),
+        "LEAST": repr(STEADY), "ENOUGH": repr(LEAST_BLOCKS),
         "FORGOTTEN": repr(FORGOTTEN), "FORGOTTEN_LEAST": repr(FORGOTTEN_LEAST),
         **constants(start), "DELAY": f"{filters.delay:.3g}",
         "LINEAR": _list(linear), "SPREAD": _list(np.sqrt(start.variance)), "FORGET": _list(start.pace),
@@ -123,7 +126,7 @@ def _operations(function: Any, joints: int, count: int, filters: Filters) -> str
     """Return how much a period takes, in words; counted, not measured."""
     always = 2 * joints * ORDER * 3 + joints * (2 * HALF + 1) ** 2
     working = function.n_instructions() + joints * (count + 2) * COMMON_ORDER * 3
-    kept = joints * 6 * count**2 + count**3 // 3 + 10 * count**3 + 4 * count**2
+    kept = joints * (6 + 3 * joints) * count**2 + count**3 // 3 + 16 * count**3 + 14 * count**2
     return (
         f"about {always} operations in every period, {working} more in every {_nth(filters.factor)}, and {kept} more "
         f"in every {_nth(filters.factor * filters.stride)}"

@@ -47,7 +47,7 @@ def answered(case: str, entries: Sequence[str], sealed_before: bool) -> tuple[di
         return None, []
     truth = None
     if not sealed_before:
-        truth = {"case": case, "hidden": list(sealed.hidden), "size": sealed.size}
+        truth = {"case": case, "hidden": list(sealed.hidden), "size": sealed.size, "told": sealed.told}
     said = []
     for entry in entries:
         began = time.process_time()

@@ -30,9 +30,11 @@ def graded(truth: Sequence[str], names: Sequence[Sequence[str]]) -> tuple[int, i
 
 
 def right(line: Line, truth: Line) -> bool:
-    """Whether exactly what is hidden is named."""
+    """Whether exactly what is hidden is named, and the verdict, where one is given, is the one to be given."""
     found, wrong = graded(truth["hidden"], line["names"])
-    return found == len(truth["hidden"]) and not wrong
+    told = truth.get("told", "")
+    verdict = line["verdict"].partition(":")[0]
+    return found == len(truth["hidden"]) and not wrong and (not told or verdict in ("", told, "refused"))
 
 
 def page(answers: Sequence[Line], truths: Mapping[str, Line], titles: Mapping[str, str]) -> str:

@@ -70,7 +70,8 @@ class Run:
 class Sealed:
     """A case drawn: its runs, the last of which is asked; what is `hidden`, by name; `noise` (J,) of the torque, N·m.
 
-    `judged`: whether the torque of the last run can be compared with a prediction at all.
+    `judged`: whether the torque of the last run can be compared with a prediction at all. `told` is the verdict that an
+    entry with verdicts must give, "" for any.
     """
 
     model: Model
@@ -78,6 +79,7 @@ class Sealed:
     hidden: tuple[str, ...]
     noise: Float
     judged: bool = True
+    told: str = ""
 
     @property
     def task(self) -> Task:

@@ -23,7 +23,6 @@ from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
@@ -59,8 +58,7 @@ def _late(base: FittedModel, rules: Rules, explained: Callable[[], float]) -> Do
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Return what makes the best model that was found (`last`) no answer; `base` is the model the search began with."""
     return (
-        _wrong_length(base, last, rules)
-        or _unexplained_torque(base, last, rules)
+        _unexplained_torque(base, last, rules)
         or _impossible_base(base, last, rules)
         or _another_machine(base if last.model.shapes else last, rules)
     )
@@ -165,24 +163,6 @@ def _at_rest(base: FittedModel, one: PreparedRecording) -> Float:
     held = replace(one.motion, dq=zero, ddq=zero, sign=zero)
     columns = base.model.base().columns(held)
     return one.smooth_columns(np.concatenate([columns, np.ones((*columns.shape[:2], 1))], axis=2))
-
-
-def _wrong_length(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether another thigh length explains far more than everything that was found."""
-    length = wanted_thigh_length(base.fit, base.prepared)
-    if length is None or not length.wrong:
-        return None
-    seen = base.train_rms > 0.0
-    reached = np.mean((last.train_rms[seen] / base.train_rms[seen]) ** 2)
-    with_length = np.mean(1.0 - np.array(length.gain)[seen])
-    if with_length > rules.own_length * reached:
-        return None
-    return Doubt(
-        f"with a thigh length of {length.value:.3g} m the squared error falls to {100 * with_length:.0f} %, with what "
-        f"the catalogue has to {100 * reached:.0f} %",
-        f"The thigh length contradicts the recordings: {length.sentence}. No effect is named on top of a wrong length.",
-        f"measure the thigh; the recordings want [geometry] thigh_length = {length.value:.3g} in a model file",
-    )
 
 
 def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:

@@ -119,12 +119,14 @@ class FittedModel:
         self, *, seed: int, draws: int | None = None, sigma: Float | None = None, rules: Rules = RULES
     ) -> Evidence:
         """Return the evidence that weighs missing effects, in units of `sigma` (J,) N·m, by default its own scale."""
-        lone = len(self.prepared.train) == 1
-        blocks = [
-            _block(self.model, one, self.linear, shape, residual, rules.blocks if lone and i == 0 else 1)
-            for i, (one, shape, residual) in enumerate(zip(self.prepared.all, self.shapes, self.residuals, strict=True))
-        ]
         count = len(self.prepared.train)
+        moving = np.sum([one.used.any(axis=1) for one in self.prepared.train], axis=0)
+        # Without the only recording in which a joint moves nothing would be known of it: then parts are left out.
+        parts = [rules.blocks if np.any(moving == 1) else 1] * count + [1] * len(self.prepared.verify)
+        blocks = [
+            _block(self.model, one, self.linear, shape, residual, part)
+            for one, shape, residual, part in zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True)
+        ]
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
         prior = np.concatenate([free, (rules.hold * self.slack) ** -2.0])

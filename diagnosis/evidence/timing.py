@@ -190,7 +190,11 @@ class _Readings:
         return [found[k] for k in range(len(tried))]
 
     def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
-        """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them."""
+        """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them, or
+        where no fitted torque shows them.
+        """
+        if not self.now[which].sum() > 0.0:
+            return None
         most = rules.late_gain * self.now[which].sum()
         fine: list[tuple[str, float]] = []
         for kind, tried in self.coarse.items():

@@ -38,15 +38,11 @@ def run_search(context: SearchContext, start: Extension) -> Found:
     first = tuple(context.rank(start, 1)[1])
     for score in state.accepted:
         # So many numbers can build what two plain effects make; see whether plain ones do as well.
-        many = score.candidate.numbers >= rules.many_numbers
-        # What comes nearest to two effects leaves part of both where it acts; see whether others leave nothing.
-        near = state.left is not None and state.left.index in score.candidate.term.reaches
-        if not many and not near:
+        if score.candidate.numbers < rules.many_numbers:
             continue
         others = search_without_proxies(context, replace(begun, banned=state.banned | {score.name}))
         gain = context.unseen_gain(state.last, others.last)
-        plainer = many and others.numbers <= state.numbers and gain > -rules.least_share
-        if plainer or (near and others.left is None and gain > rules.least_share):
+        if others.numbers <= state.numbers and gain > -rules.least_share:
             return Found(others, first)
     return Found(state, first)
 

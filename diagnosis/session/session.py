@@ -28,9 +28,11 @@ from exoid.diagnosis.results import Diagnosis, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.session.ranking import Ranking
 from exoid.diagnosis.settings import DiscoveryOptions, DiscoverySettings
+from exoid.ground.calling import understood
 from exoid.ground.progress import Progress, silent
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.reading.given import Given, of_the_leg, question_of
+from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.effect import Effect
@@ -40,6 +42,7 @@ from exoid.symbolic.motion import Float
 Names = Sequence[str]
 
 
+@understood()
 class Session:
     """What is known of recordings while somebody works with them; fits and rankings are kept.
 
@@ -47,6 +50,7 @@ class Session:
     is computed before it is asked for; errors are those of `prepare` and `identify`.
     """
 
+    @of_the_leg
     def __init__(
         self,
         model: Model,
@@ -133,10 +137,19 @@ class Session:
                 each = self._fitted(key)
                 self._own_places[key[-1]] = places_pay(found, each, self.rules)
                 found = each if self._own_places[key[-1]] else found
-            self._fits[key] = found
-            for entry, column in zip(found.model.shapes, np.asarray(found.fit.shapes).T, strict=True):
-                self._shapes[entry.name] = column
+            self._keep(key, found)
         return self._fits[key]
+
+    def take(self, names: Names, fit: Fit) -> None:
+        """Take the model with these effects from a search that came to it; `fit.model` has them last, in this order."""
+        ends = fit.model.terms[len(fit.model.terms) - len(names) :]
+        self._own_places |= {term.name: term.own_places for term in ends if term.may_move}
+        self._keep(tuple(names), fitted_model(fit, self.prepared))
+
+    def _keep(self, names: tuple[str, ...], found: FittedModel) -> None:
+        self._fits[names] = found
+        for entry, column in zip(found.model.shapes, np.asarray(found.fit.shapes).T, strict=True):
+            self._shapes[entry.name] = column
 
     def _fitted(self, names: Names) -> FittedModel:
         model = self.with_effects(names)

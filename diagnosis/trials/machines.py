@@ -4,6 +4,7 @@
     current    torques from motor current, with a constant that is wrong by up to a fifth
     uneven     quiet and loud runs in one set: noise and outliers differ by up to a factor of ten
     locked     a run in which the knee is locked
+    turns      one joint moves in each run; the other is held, and its friction carries some of its load
     passive    a leg whose knee has no drive, and swings; the effect is one of the hip
     convention recordings that keep another convention than exoid's, named by the case; nothing is hidden
 
@@ -30,6 +31,8 @@ TIMES = (5.0, 20.0)
 SLOW = 0.7
 """Hz; model error of real machines follows the motion, which is as slow."""
 GAIN = (0.8, 1.2)
+LEANT = (-1.5, 1.5)
+"""N·m, within the dry friction of the bench's legs."""
 NOISE = (0.3, 3.0)
 """Times the noise of the bench that a run of `uneven` has."""
 
@@ -61,20 +64,27 @@ def _uneven(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun
     ]
 
 
-def _locked(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun]:
-    """Return the runs with the knee of the second held: what its lock takes up is nobody's torque."""
-    run = runs[1]
-    still = np.array(run.motion.q)
-    still[:, 1] = still[0, 1]
-    rest = np.array([1.0, 0.0])
-    motion = replace(
-        run.motion, q=still, dq=run.motion.dq * rest, ddq=run.motion.ddq * rest, sign=run.motion.sign * rest
-    )
-    torque = run.true.torque(motion)
+def _held(run: BenchRun, joint: int, leant: float = 0.0) -> BenchRun:
+    """Return a run with a joint held; of its load, friction or a lock carries `leant` N·m more than it should."""
+    moving, still = np.arange(2) != joint, np.array(run.motion.q)
+    still[:, joint] = still[0, joint]
+    rates = {key: getattr(run.motion, key) * moving for key in ("dq", "ddq", "sign")}
+    motion = replace(run.motion, q=still, **rates)
+    torque = run.true.torque(motion) + leant * ~moving
     noise = run.recording.tau - run.torque
     steps = run.recording.q - run.motion.q
     held = replace(run.recording, q=still + steps, tau=torque + noise)
-    return [runs[0], replace(run, recording=held, motion=motion, torque=torque), *runs[2:]]
+    return replace(run, recording=held, motion=motion, torque=torque)
+
+
+def _locked(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun]:
+    """Return the runs with the knee of the second held: what its lock takes up is nobody's torque."""
+    return [runs[0], _held(runs[1], 1), *runs[2:]]
+
+
+def _turns(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun]:
+    """Return the runs with hip and knee held by turns, and friction that carries some of what is held."""
+    return [_held(run, k % 2, float(rng.uniform(*LEANT))) for k, run in enumerate(runs)]
 
 
 def without_knee_drive(leg: Leg) -> Leg:
@@ -103,6 +113,6 @@ CONVENTIONS = (
 """Conventions from which those of the trials are drawn."""
 
 MACHINES: Mapping[str, Callable[[Sequence[BenchRun], np.random.Generator], list[BenchRun]]] = MappingProxyType(
-    {"rough": _rough, "current": _current, "uneven": _uneven, "locked": _locked}
+    {"rough": _rough, "current": _current, "uneven": _uneven, "locked": _locked, "turns": _turns}
 )
 """Kind of trial -> what becomes of its runs."""

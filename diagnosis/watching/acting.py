@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from exoid.diagnosis.against.result import ChangeFound
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.result import ChangeFound
 from exoid.diagnosis.watching.window import Window
 from exoid.symbolic.motion import Float
 

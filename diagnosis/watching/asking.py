@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from exoid.diagnosis.against.differences import BeforeAfter
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.rules import Rules
-from exoid.diagnosis.watching.differences import BeforeAfter
 from exoid.diagnosis.watching.memory import TOGETHER
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.window import Window, joined_windows, prepared
 from exoid.ground.thresholds import Threshold
 from exoid.symbolic.effect import Effect

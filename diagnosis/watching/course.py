@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.diagnosis.watching.result import Course
+from exoid.diagnosis.against.result import Course
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.symbolic.motion import Float

@@ -22,8 +22,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.result import Differences
 from exoid.ground.plain import plain_dict
 from exoid.symbolic.quantity import Estimate
 

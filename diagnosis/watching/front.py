@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -22,11 +23,12 @@ from exoid.ground.errors import ExoidError
 from exoid.ground.thresholds import Threshold
 from exoid.optimisation.preparation.filtering import WORKING_RATE
 from exoid.optimisation.preparation.sticking import STICK
+from exoid.optimisation.recursive.encoder_noise import RING, EncoderNoise, following
 from exoid.symbolic.motion import Float
 
 Bool = np.ndarray
 
-HALF = 5
+HALF = RING // 2
 """Samples on either side of one that its torque is compared with."""
 SPIKE = Threshold(
     4.0,
@@ -128,6 +130,18 @@ class Filters:
         first = HALF + ORDER * self.keep / (1.0 - self.keep) + 1.0
         return first / self.rate + COMMON_ORDER * self.common / (1.0 - self.common) / self.working
 
+    @cached_property
+    def roughness(self) -> float:
+        """Variance in (rad/s²)² that white noise of the angles of 1 rad² leaves in accelerations after both filters."""
+        first, second = (np.zeros(self.settled * many) for many in (self.factor, 1))
+        first[0] = second[0] = 1.0
+        first = poles(first, self.keep, np.zeros(ORDER))[0]
+        second = poles(second, self.common, np.zeros(COMMON_ORDER))[0]
+        apart = np.zeros((len(second), self.factor))
+        apart[:, 0] = second
+        answer = np.convolve(self.rate**2 * np.convolve(first, [1.0, -2.0, 1.0]), apart.ravel())
+        return float(answer @ answer)
+
     @property
     def settled(self) -> int:
         """Working samples after which the second filter has forgotten how it started, to 1e-12."""
@@ -137,7 +151,7 @@ class Filters:
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Working samples: `t` (N,) s, `q`, `dq`, `ddq`, `tau` (N, J), `good` (N, J), 1 where a joint's torque can be
-    used, and measured forces, `force` (N, C).
+    used, measured forces, `force` (N, C), and the variance of the noise of each angle, `noise` (N, J) rad².
     """
 
     t: Float
@@ -147,6 +161,7 @@ class Samples:
     tau: Float
     good: Float
     force: Float
+    noise: Float
 
     def __len__(self) -> int:
         return int(self.t.size)
@@ -164,7 +179,7 @@ class Samples:
     def none(cls, joints: int, forces: int = 0) -> Samples:
         """Return no samples."""
         empty = np.zeros((0, joints))
-        return cls(np.zeros(0), empty, empty, empty, empty, empty, np.zeros((0, forces)))
+        return cls(np.zeros(0), empty, empty, empty, empty, empty, np.zeros((0, forces)), empty)
 
 
 def poles(x: Float, keep: float, state: Float) -> tuple[Float, Float]:
@@ -200,6 +215,7 @@ class FrontEnd:
     unsettled: int = 0
     """Samples for which the first filter still rings from a hole."""
     restarts: int = 0
+    noise: EncoderNoise | None = None
     late: int = 0
     """Samples passed over because their time is not after that of those before."""
 
@@ -258,7 +274,8 @@ class FrontEnd:
         """Begin with a known rate, at `t` s."""
         self.filters, self.begin, self.count, self.seen = filters, t, 0, 0
         self.raw, self.state, self.unsettled = np.zeros((0, 2 + 2 * self.joints + self.outside)), None, 0
-        self.before = np.zeros((0, 1 + 3 * self.joints + max(0, self.outside - 1)))
+        self.before = np.zeros((0, 1 + 4 * self.joints + max(0, self.outside - 1)))
+        self.noise = EncoderNoise(np.zeros(self.joints), following(filters.rate))
 
     def _on_clock(self, samples: Float) -> Samples:
         """Put samples on the uniform clock; those that do not come after the ones before are passed over."""
@@ -287,14 +304,14 @@ class FrontEnd:
 
     def _filter(self, even: Float) -> Samples:
         """Filter samples (N, 2 + 2 J) of the uniform clock: t, q, tau, what is outside, hole."""
-        assert self.filters is not None
+        assert self.filters is not None and self.noise is not None
         filters, joints = self.filters, self.joints
         rows = np.concatenate([self.raw, even])
         if len(rows) < 2 * HALF + 1:
             self.raw = rows
             return self.none
         self.raw = rows[-2 * HALF :]
-        tau = despiked(rows[:, 1 + joints : 1 + 2 * joints])
+        tau, noise = despiked(rows[:, 1 + joints : 1 + 2 * joints]), self.noise.take(rows[:, 1 : 1 + joints])
         middle = rows[HALF : len(rows) - HALF]
         lost, forces = middle[:, -1] != 0.0, middle[:, 1 + 2 * joints : -2]
         if self.outside:
@@ -306,7 +323,7 @@ class FrontEnd:
         smooth = rows_of.T
         good = np.repeat(self._settled(lost)[:, None], joints, axis=1)
         smooth, forces = smooth[:, : 2 * joints], smooth[:, 2 * joints :]
-        rows = np.concatenate([self.before, np.column_stack([middle[:, 0], smooth, good, forces])])
+        rows = np.concatenate([self.before, np.column_stack([middle[:, 0], smooth, good, noise, forces])])
         lag = filters.lag
         self.before = rows[-2 - lag :]
         if len(rows) < 3 + lag:
@@ -318,9 +335,9 @@ class FrontEnd:
         dq, was = (0.5 * filters.rate * (q[k + 1] - q[k - 1]) for k in (at, at - lag))
         ddq = filters.rate**2 * (q[at + 1] - 2.0 * q[at] + q[at - 1])
         moves = np.abs(dq) > STICK + filters.reach * filters.rate / lag * np.abs(dq - was)
-        good, forces = rows[:, 1 + 2 * joints : 1 + 3 * joints], rows[:, 1 + 3 * joints :]
-        usable = good[at] * good[at + 1] * moves
-        return Samples(rows[at, 0], q[at], dq, ddq, rows[at, 1 + joints : 1 + 2 * joints], usable, forces[at])
+        tau, good, noise = (rows[:, 1 + k * joints : 1 + (k + 1) * joints] for k in (1, 2, 3))
+        usable, forces = good[at] * good[at + 1] * moves, rows[at, 1 + 4 * joints :]
+        return Samples(rows[at, 0], q[at], dq, ddq, tau[at], usable, forces, noise[at + 1])
 
     def _settled(self, hole: Bool) -> Bool:
         """Return where (N,) the first filter has forgotten the last hole."""

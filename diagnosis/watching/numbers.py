@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from exoid.diagnosis.against.questions import LOAD, Acting
+from exoid.diagnosis.against.result import ChangeFound
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.estimator import Estimator, Pace
-from exoid.diagnosis.watching.questions import LOAD, Acting
-from exoid.diagnosis.watching.result import ChangeFound
-from exoid.diagnosis.watching.window import Window
+from exoid.diagnosis.watching.window import Window, column_errors
+from exoid.optimisation.recursive.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
@@ -46,7 +46,7 @@ class FollowedNumbers:
         """Return numbers of which little more is known than those of the model `now`; `scale` (J,) N·m is that of the
         residual, `rate` Hz that of the samples.
         """
-        spread = 10.0 * (np.abs(now.linear) + 1.0)
+        spread = FORGOTTEN * np.abs(now.linear) + FORGOTTEN_LEAST
         return cls(Estimator.start(now.model, now.linear, spread, scale, rate, pace), now)
 
     def take(self, one: Window, base: Float | None = None) -> None:
@@ -92,7 +92,10 @@ class FollowedNumbers:
         own = base[:, :, : len(self.now.model.parameters)]
         columns = [own, *(acting.columns(one, base, self.now) * acting.size for acting in self.followed)]
         whole: Float = np.moveaxis(np.concatenate(columns, axis=2), 0, 1)
-        self.estimator.steps(whole, (one.torque - self._known(one)).T, one.used.T)
+        noise = column_errors(self.now.model, one.motion.q[one.kept], one.rough, self.now.shape)
+        followed = whole.shape[2] - noise.shape[3]
+        errors = np.pad(noise, ((0, 0), (0, 0), (0, 0), (0, followed)))  # of what came since, nothing is said
+        self.estimator.steps(whole, (one.torque - self._known(one)).T, one.steady.T, errors)
 
     def _known(self, one: Window) -> Float:
         """Return the torque (J, K) that measured forces ask for without a number."""

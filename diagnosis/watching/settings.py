@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from exoid.diagnosis.watching.estimator import Pace
 from exoid.diagnosis.watching.front import CUTOFF
+from exoid.optimisation.recursive.estimator import Pace
 
 
 @dataclass(frozen=True)

@@ -15,20 +15,20 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.against.questions import Acting
+from exoid.diagnosis.against.result import ChangeFound
 from exoid.diagnosis.watching.acting import Applied
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.estimator import Estimator
 from exoid.diagnosis.watching.front import Filters, Samples
 from exoid.diagnosis.watching.memory import TOGETHER
 from exoid.diagnosis.watching.numbers import FollowedNumbers
 from exoid.diagnosis.watching.outside import Outside
-from exoid.diagnosis.watching.questions import Acting
-from exoid.diagnosis.watching.result import ChangeFound
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.usual import Usual, learned
 from exoid.diagnosis.watching.window import Window, joined_windows, window
 from exoid.ground.errors import ExoidError
+from exoid.optimisation.recursive.estimator import Estimator
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -39,7 +39,7 @@ SAME_RATE = 1e-3
 """How far the rate of a stream may be from that of the one before, relative to it."""
 EVER = Onset.at(-1e300)
 """When what an earlier watch saw began: before this one."""
-OF_ESTIMATOR = ("root", "right", "linear", "variance", "credit", "score", "meat", "blocks", "scale")
+OF_ESTIMATOR = ("root", "right", "linear", "variance", "credit", "score", "meat", "blocks", "scale", "feigned")
 PARTS = ("t", "q", "dq", "ddq", "tau", "good")
 """Of a window: what its samples are made of, forces apart."""
 OF_CHANGE = ("name", "kind", "share", "p_value")
@@ -136,7 +136,7 @@ class WatchState:
         later = end - max(float(self.arrays[f"window{k}.t"][-1]) for k in range(len(self.about["lead"])))
         for k, lead in enumerate(self.about["lead"]):
             t, *parts = (self.arrays[f"window{k}.{name}"] for name in PARTS)
-            parts.append(self.arrays.get(f"window{k}.force", np.zeros((len(t), 0))))
+            parts += [self.arrays.get(f"window{k}.force", np.zeros((len(t), 0))), np.zeros_like(parts[0])]
             one = window(f"learnt {k}", Samples(t + later, *parts), lead, filters)
             found.append(replace(one, torque=self.arrays[f"window{k}.torque"]))
         return tuple(found)
@@ -149,13 +149,14 @@ class WatchState:
     def numbers(self, fresh: Estimator, usual: Usual) -> FollowedNumbers:
         """Return the numbers as they were followed; `fresh` is an estimator that knows nothing yet."""
         about = self.about
-        values = {name: self.arrays[f"estimator.{name}"].copy() for name in OF_ESTIMATOR}
+        kept = {name: self.arrays.get(f"estimator.{name}") for name in OF_ESTIMATOR}
+        values = {name: one.copy() for name, one in kept.items() if one is not None}  # earlier files have fewer
         made = Estimator(
             tuple(about["numbers"]), tuple(about["units"]), np.array(about["pace"]), fresh.block, fresh.follow,
             fresh.unit, values["root"], values["right"], values["linear"], values["variance"],
         )  # fmt: skip
-        for name in ("credit", "score", "meat", "blocks"):
-            setattr(made, name, values[name])
+        for name in OF_ESTIMATOR[4:]:
+            setattr(made, name, values.get(name, getattr(made, name)))
         made.scale, made.inside = values["scale"].tolist(), about["inside"]
         return FollowedNumbers(made, usual.now, tuple(_acting(one, usual) for one in about["followed"]))
 

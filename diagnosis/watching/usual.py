@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from exoid.diagnosis.against.questions import Asked, questions
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.watching.alarm import Detector
-from exoid.diagnosis.watching.questions import Asked, questions
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.scores import Scores, placebos, scores
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.watched import Watched

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from exoid.diagnosis.against.questions import PLACES, Asked, Questions
 from exoid.diagnosis.evidence.candidates import fed_back, tangent_nodes, unfiltered_columns
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.watching.questions import PLACES, Asked, Questions
 from exoid.diagnosis.watching.window import Window
 from exoid.symbolic.columns import torque_words
 from exoid.symbolic.evaluation import carrying, motion_words, signs

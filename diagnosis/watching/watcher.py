@@ -14,19 +14,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from exoid.diagnosis.against.differences import MOST, QUICK
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.watching import wording
 from exoid.diagnosis.watching.acting import Applied, already, as_usual
 from exoid.diagnosis.watching.alarm import SPANS, Pending
 from exoid.diagnosis.watching.asking import asked_of, differences_of
 from exoid.diagnosis.watching.course import Onset
-from exoid.diagnosis.watching.differences import MOST, QUICK
 from exoid.diagnosis.watching.events import Event
 from exoid.diagnosis.watching.memory import TOGETHER, Memory
 from exoid.diagnosis.watching.numbers import FollowedNumbers
 from exoid.diagnosis.watching.outside import Outside
 from exoid.diagnosis.watching.pushes import Pushes
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.state import WatchState
 from exoid.diagnosis.watching.usual import GROWN, Usual, learned
@@ -219,7 +219,8 @@ class Watcher:
         self.numbers.now = now
         self.memory.learnt(self.kept, usual)
         count, self.kept = len(self.kept), []
-        return [wording.reference_event(self.last, now, self.reference.detector.limit, count)]
+        limit = self.reference.detector.limit
+        return [wording.reference_event(self.last, now, self.numbers.estimates(), limit, count)]
 
     def _restore(self, state: WatchState, one: Window) -> list[Event]:
         """Go on with what was learnt by an earlier watch; `one` is the first window of this one."""
@@ -227,8 +228,8 @@ class Watcher:
         known = state.taken_over(self.outside, self.settings, self.extra, self.rng, one)
         first, self.reference, self.lasting, self.numbers = known
         self.memory.learnt(first, joined_windows(first, TOGETHER))
-        now, limit = self.reference.now, self.reference.detector.limit
-        return [wording.reference_event(self.begun, now, limit, len(first), self.changed, restored=True)]
+        now, numbers, limit = self.reference.now, self.numbers.estimates(), self.reference.detector.limit
+        return [wording.reference_event(self.begun, now, numbers, limit, len(first), self.changed, restored=True)]
 
     def _told(self) -> list[Event]:
         every = self.settings.estimates

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.watching.alarm import Deviation
 from exoid.diagnosis.watching.course import Onset, onset
 from exoid.diagnosis.watching.events import Event, clock
 from exoid.diagnosis.watching.front import FrontEnd
-from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.window import Window
 from exoid.ground.thresholds import Threshold
 from exoid.symbolic.motion import Float
@@ -37,12 +37,14 @@ def start_event(front: FrontEnd, joints: Sequence[str], needed: float) -> Event:
 
 
 def reference_event(
-    t: float, now: FittedModel, limit: float, blocks: int, changed: Sequence[str] = (), *, restored: bool = False
-) -> Event:
-    """Return that what is usual is known: the model `now`, of so many `blocks`, and the detector's `limit`; where that
-    is from an earlier watch (`restored`), what had `changed` since.
+    t: float, now: FittedModel, numbers: Sequence[Estimate], limit: float, blocks: int, changed: Sequence[str] = (),
+    *, restored: bool = False,
+) -> Event:  # fmt: skip
+    """Return that what is usual is known: the model `now`, of so many `blocks`, its `numbers` as they are followed, and
+    the detector's `limit`; where that is from an earlier watch (`restored`), what had `changed` since.
     """
-    estimates = now.fit.estimates
+    # What is followed knows of the encoders' noise; what a fit does not know of its shapes is in its own intervals.
+    estimates = now.fit.estimates if now.model.shapes else tuple(numbers[: len(now.model.parameters)])
     said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in estimates)
     rms = zip(now.model.joints, now.train_rms, strict=True)
     errors = ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in rms)

@@ -271,6 +271,9 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     free = [column.name for column in table.columns if id(column) not in used]
     close = nearest(missing[0], free, 1, cutoff=0.5)
     example = f"{missing[0]}={close[0] if close else 'COLUMN'}"
+    absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
+    other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
+    drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
     raise RecordingError(
         f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})",
         where=where,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import functools
+import inspect
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -22,6 +24,7 @@ TAKEN = (
     "tau1, ..., or a list of these"
 )
 Asked = TypeVar("Asked")
+Verb = TypeVar("Verb", bound=Callable[..., Any])
 
 
 def recordings_in(given: Given | None, joints: Sequence[Joint] | None = None) -> tuple[Recording, ...]:
@@ -46,6 +49,32 @@ def recordings_in(given: Given | None, joints: Sequence[Joint] | None = None) ->
             what = f"a {type(part).__name__} is not a recording"
             raise RecordingError(what, where=f"number {place} of {len(parts)}" if several else "", remedy=TAKEN)
     return tuple(found)
+
+
+def of_the_leg(verb: Verb) -> Verb:
+    """Let a verb (`model`, recordings, ...) take recordings alone: they are of the standard leg then, as on the command
+    line without `--model`.
+    """
+    names = list(inspect.signature(verb).parameters)
+    place = names.index("model")
+    recordings = names[place + 1]
+
+    @functools.wraps(verb)
+    def asked(*given: Any, **named: Any) -> Any:
+        alone = given[place:]
+        if "model" not in named and recordings in named and not alone:
+            named["model"] = Model.standard()
+        elif "model" not in named and recordings not in named and len(alone) == 1 and _holds_recordings(alone[0]):
+            given = (*given[:place], Model.standard(), *alone)
+        return verb(*given, **named)
+
+    return asked  # type: ignore[return-value]
+
+
+def _holds_recordings(given: Any) -> bool:
+    if isinstance(given, (str, Path)):
+        return Path(given).suffix.lower() != ".toml"
+    return _is_one(given) or isinstance(given, (list, tuple))
 
 
 def one_recording(given: Given, joints: Sequence[Joint] | None = None) -> Recording:

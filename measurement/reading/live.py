@@ -36,12 +36,13 @@ SLOW = 0.5
 @dataclass(frozen=True)
 class LineNote:
     """What is to be told of a line: that it is no sample ("skipped"), or that it says anew what the columns are
-    ("columns").
+    ("columns"); `before` samples of the same portion came before it.
     """
 
     line: int
     what: str
     event: str = "skipped"
+    before: int = 0
 
 
 _Places = tuple[tuple[tuple[int | str, ...], float], ...]
@@ -88,6 +89,7 @@ class Lines:
     """s in one unit of the clock; None until that is known."""
     notes: list[LineNote] = field(default_factory=list)
     skipped_count: int = 0
+    count: int = 0
     overlong: bool = False
 
     def again(self) -> None:
@@ -115,9 +117,11 @@ class Lines:
         self.rest = "" if last else lines.pop()
         if len(self.rest) > LONGEST_LINE:
             self.rest, self.overlong = "", True
-        rows = []
+        rows: list[list[float]] = []
+        self.count = 0
         for line in lines:
             self.number += 1
+            self.count = len(rows)
             if self.overlong:
                 self.overlong = False
                 self._skip("the line is too long")
@@ -145,7 +149,7 @@ class Lines:
     def _skip(self, why: str, line: int | None = None) -> None:
         self.skipped_count += 1
         if self.skipped_count <= TOLD:
-            self.notes.append(LineNote(line or self.number, why[:120]))
+            self.notes.append(LineNote(line or self.number, why[:120], before=self.count))
 
     def _pass_over(self) -> None:
         """Tell lines without numbers that named nothing."""
@@ -313,7 +317,7 @@ class Lines:
         before = self.layout
         self.layout = _Layout(places, said, plain.delimiter, plain.comma, plain.width, told)
         if self.lost or (before is not None and before != self.layout):
-            self.notes.append(LineNote(self.number, f"the columns are named anew: {said}", "columns"))
+            self.notes.append(LineNote(self.number, f"the columns are named anew: {said}", "columns", self.count))
             self.per_second, self.held = None, []
         self.lost = ""
 
@@ -349,7 +353,7 @@ class Lines:
         if unit != "s":
             step = float(np.median(np.diff(rows[:, 0])))
             what = f"the time steps by {step:.4g}, impossible in seconds for these angles: it is read in {unit}"
-            self.notes.append(LineNote(self.number, what, "columns"))
+            self.notes.append(LineNote(self.number, what, "columns", self.count))
         return scale
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from exoid.ground.errors import NotEnoughDataError
 from exoid.ground.settings import spelt_out
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, machine_of, model_of, question_of
+from exoid.measurement.reading.given import Given, machine_of, model_of, of_the_leg, question_of
 from exoid.optimisation.fitting.assemble import Assembly, Settled
 from exoid.optimisation.fitting.cautions import held, numerical, own_numbers, price, unproven
 from exoid.optimisation.fitting.fit import Fit, FitStage
@@ -52,6 +52,7 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
 Progress = Callable[[str], None]
 
 
+@of_the_leg
 @spelt_out(FitSettings)
 def identify(
     model: Model,

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from exoid.optimisation.fitting.fit import Fit
     from exoid.optimisation.preparation.filtering import PreparedRecording
     from exoid.optimisation.preparation.prepare import Prepared
+    from exoid.symbolic.model import Model
 
 COUPLING = "Phi3"
 FAR = Threshold(0.2, "share by which a length is off: what else is missing moves it by a tenth (on two known rigs)")
@@ -87,6 +88,12 @@ class ThighLength(AsJson):
         )
 
 
+def has_a_length(model: Model, prepared: Prepared) -> bool:
+    """Whether a model has a thigh length that recordings may tell: the leg without a payload and without forces."""
+    loaded = bool(model.forces) or any(one.motion.payload is not None for one in prepared.train)
+    return not (prepared.misread or model.chain or loaded)
+
+
 def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     """Return the thigh length that the fitted recordings of `prepared` want; None for models that have none to tell,
     for recordings that keep another convention, and for others than those that were fitted.
@@ -94,8 +101,7 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     The torque sensors may have offsets of their own meanwhile, which would otherwise pass for weight.
     """
     model, names = fit.model, list(fit.data.names)
-    loaded = bool(model.forces) or any(one.motion.payload is not None for one in prepared.train)
-    if prepared.misread or model.chain or COUPLING not in names or loaded:
+    if not has_a_length(model, prepared) or COUPLING not in names:
         return None
     weight = np.concatenate([_weight(one) for one in prepared.train], axis=1)[:, :, None]
     if fit.recordings != tuple(one.name for one in prepared.train) or fit.data.tau.shape != weight.shape[:2]:

@@ -65,12 +65,11 @@ torque is filtered after them), the torque only once: near the cut-off a model t
 were flexible. What noise the wider band lets in, the common filter takes out again."""
 LOADED = Threshold(
     3.0,
-    "times the sensor's noise by which the torque of a standing joint varies when it shows its load: noise "
-    "fitted as load",
+    "times the sensor's noise by which the torque of a joint varies that has a drive: noise fitted as torque",
 )
 HELD, SWAY = 0.02, 1.0
-"""rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
-further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
+"""rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is: what its encoder
+shows is noise. One that moves further but never faster than `STICK` creeps."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
@@ -96,9 +95,9 @@ class PreparedRecording:
     `wide_tau` (N, J) the torque without them and not low-passed, `angle_noise` (J,) rad²/Hz the density of the
     encoders' noise and `band` in Hz what the angles contain of it. `stuck` (N, J) are working samples at which a joint
     may be sticking, `hidden` (N, J) all that are bridged. `standing` (J,) are joints that never move enough to be free
-    of dry friction: their torque, where they have one to show, is used without friction and not bridged. `driven` (J,)
-    are joints with a drive: the torque of the others is zero for certain. `full_rate` in Hz is that of the recording,
-    `reach` (J,) what of its own unit each joint moves where a turning one moves 1 rad.
+    of dry friction: what a brake, a lock or that friction carries of their load nobody knows, and their torque is not
+    fitted. `driven` (J,) are joints with a drive: the torque of the others is zero for certain. `full_rate` in Hz is
+    that of the recording, `reach` (J,) what of its own unit each joint moves where a turning one moves 1 rad.
     """
 
     name: str
@@ -294,11 +293,6 @@ def prepare_one(
     missing = gap[:, None] | even.slower_gap(factor) | turned
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    loaded = np.array(held)
-    if held.any():
-        quiet = even.despiked if factor == 1 else tau
-        whole = np.column_stack([straight(x, off) for x, off in zip(quiet.T, missing.T, strict=True)])
-        loaded &= _bears_load(whole, rate, cutoff, factor)
     brief = even.spikes[: 0 if factor == 1 else None]
     one = PreparedRecording(
         name=name,
@@ -319,7 +313,7 @@ def prepare_one(
         full_rate=even.rate,
         reach=reach_of,
         pushed=None if beta is None or not base.forces else forces_torque(base, motion, beta),
-        read=TorqueRead(tau, missing, ~stuck[kept].T & ~(standing & ~loaded)[:, None], brief),
+        read=TorqueRead(tau, missing, ~stuck[kept].T & ~standing[:, None], brief),
         direction=told,
         stances=even.stances,
     )
@@ -381,16 +375,6 @@ def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
     return np.asarray(quiet & (reach < HELD))
 
 
-def _bears_load(tau: Float, rate: float, cutoff: float, factor: int = 1) -> Bool:
-    """Return for each joint (J,) whether its torque, the mean of `factor` samples, tells something about the load while
-    it stands.
-
-    Where a brake, a lock or dry friction carries the load, the torque stays as it is while the other joint moves.
-    """
-    noise = quiet_noise(tau, rate, cutoff, factor=factor)
-    return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * noise)
-
-
 def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
     zero = (even.reach == 0.0) & (even.tau[0] == 0.0)
@@ -398,7 +382,8 @@ def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     little = span < NOTHING * span.max()
     if not little.any():
         return zero
-    return np.asarray(zero | little & ~_bears_load(even.despiked, even.rate, cutoff))
+    varies = low_pass(even.despiked, cutoff, even.rate).std(axis=0)
+    return np.asarray(zero | little & (varies <= LOADED * quiet_noise(even.despiked, even.rate, cutoff)))
 
 
 def reaches(joints: Sequence[Joint]) -> Float:

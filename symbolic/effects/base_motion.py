@@ -31,8 +31,8 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 
 EFFECT = Effect(
     id="base_motion",
-    title="Swaying pelvis",
-    explains="What the leg hangs from sways (a soft stand, a walking wearer), and shakes the leg.",
+    title="Swaying base",
+    explains="What the machine hangs from sways (a soft stand, a walking wearer), and shakes it.",
     derive=derive,
     joints=("both",),
     coefficients={
@@ -54,6 +54,6 @@ EFFECT = Effect(
         ),
     },
     family="base",
-    tells_apart="An accelerometer on the pelvis bracket; or the same motion with the base clamped.",
+    tells_apart="An accelerometer on the base; or the same motion with the base clamped.",
     reference="Winter, Biomechanics and Motor Control of Human Movement, 4th ed., Wiley, 2009, chapter 5",
 )

@@ -14,8 +14,8 @@ EFFECT = Effect(
         "k": Coefficient("N·m/rad", min=0.0, typical=5.0, explains="stiffness"),
         "c": Coefficient("N·m", typical=0.0, explains="pretension, torque where both angles are zero"),
     },
-    explains="An elastic part spans hip and knee, so that bending one joint loads the other.",
-    tells_apart="Hold the hip at several angles while the knee moves, and the other way round.",
+    explains="An elastic part spans two joints, so that bending one loads the other.",
+    tells_apart="Hold one joint at several angles while the other moves, and the other way round.",
     reference=(
         "Silder, Whittington, Heiderscheit, Thelen, Identification of passive elastic joint moment-angle "
         "relationships in the lower extremity, Journal of Biomechanics 40(12), 2628-2635, 2007"

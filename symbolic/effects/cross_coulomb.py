@@ -16,10 +16,12 @@ EFFECT = Effect(
     family="friction",
     joints=("both",),
     torque={"hip": f"c * {SIGN}", "knee": f"c * {SIGN}"},
-    coefficients={"c": Coefficient("N·m", min=0.0, typical=2.0, explains="friction of the shank's absolute rotation")},
+    coefficients={
+        "c": Coefficient("N·m", min=0.0, typical=2.0, explains="friction of the second link's absolute rotation")
+    },
     explains=(
-        "Something rubs as the shank turns against the pelvis, such as a drive on the base that moves it by a belt."
+        "Something rubs as the second link turns against the base, such as a drive there that moves it by a belt."
     ),
-    tells_apart="Move the knee with the hip held: the hip must then feel a friction that turns with the knee.",
+    tells_apart="Move the second joint with the first held: the first then feels a friction that turns with it.",
     reference="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1083-1138, 1994",
 )

@@ -25,19 +25,19 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 
 EFFECT = Effect(
     id="cuff_interaction",
-    title="Wearer at the cuff",
-    explains="A relaxed leg in the cuff holds the shank back like a spring and a damper.",
+    title="Spring and damper on the last link",
+    explains="Something holds the last link back like a spring and a damper, as a relaxed leg in the cuff of a shank.",
     derive=derive,
     joints=("both",),
     coefficients={
-        "k": Coefficient("N/m", min=0.0, typical=200.0, explains="stiffness of the limb at the cuff"),
-        "d": Coefficient("N·s/m", min=0.0, typical=30.0, explains="damping of the limb at the cuff"),
+        "k": Coefficient("N/m", min=0.0, typical=200.0, explains="stiffness of what holds it"),
+        "d": Coefficient("N·s/m", min=0.0, typical=30.0, explains="damping of what holds it"),
         "f_x": Coefficient("N", typical=25.0, explains="k times the forward position of rest"),
         "f_z": Coefficient("N", typical=-115.0, explains="k times the upward position of rest"),
     },
-    shape={"reach": Shape("m", min=0.10, max=0.45, points=5, typical=0.25, explains="cuff below the knee axis")},
+    shape={"reach": Shape("m", min=0.10, max=0.45, points=5, typical=0.25, explains="distance from the joint")},
     family="contact",
-    tells_apart="Repeat the motion with the cuff open: what vanishes is the wearer's.",
+    tells_apart="Repeat the motion with the cuff open, or nothing attached: what vanishes is not the machine's.",
     reference=(
         "Schiele, van der Helm, Kinematic design to improve ergonomics in human machine interaction, "
         "IEEE Transactions on Neural Systems and Rehabilitation Engineering 14(4), 456-469, 2006"

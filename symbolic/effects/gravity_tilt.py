@@ -21,7 +21,7 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 EFFECT = Effect(
     id="gravity_tilt",
     title="Tilted frame",
-    explains="The frame leans, or the hip encoder's zero is off, so the leg does not hang where the model expects.",
+    explains="The frame leans, or the zero of the first encoder is off, so nothing hangs where the model expects.",
     derive=derive,
     joints=("both",),
     shape={
@@ -31,10 +31,10 @@ EFFECT = Effect(
             max=0.3,
             points=9,
             typical=0.05,
-            explains="forward lean; equally, the hip encoder's error",
+            explains="forward lean; equally, the error of the first encoder",
         )
     },
     family="gravity",
-    tells_apart="Put a spirit level on the frame, or read the hip encoder while the leg hangs still.",
+    tells_apart="Put a spirit level on the frame, or read the first encoder while everything hangs still.",
     reference="Hollerbach, Khalil, Gautier, Model identification, Springer Handbook of Robotics, 2nd ed., 2016, ch. 6",
 )

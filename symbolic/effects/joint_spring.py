@@ -15,7 +15,7 @@ EFFECT = Effect(
     },
     explains="Something elastic pulls the joint back towards a rest angle: a spring, a cable, a sleeve.",
     tells_apart=(
-        "Hold still at many angles over the full range; at the hip turn the whole device, so that "
+        "Hold still at many angles over the full range; at the first joint turn the whole device, so that "
         "gravity changes and the spring does not."
     ),
     reference=("Yoon, Mansour, The passive elastic moment at the hip, Journal of Biomechanics 15(12), 905-910, 1982"),

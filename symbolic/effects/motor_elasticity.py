@@ -18,11 +18,11 @@ EFFECT = Effect(
         "c": Coefficient("rad/(N·m)", min=0.0, typical=0.001, explains="compliance 1/K of gear, belt or cable")
     },
     explains=(
-        "Gear, belt or cable give way under load, and the encoder sits before them: the leg is not where it says, "
-        "which both joints feel."
+        "Gear, belt or cable give way under load, and the encoder sits before them: the joint is not where it says, "
+        "which all joints feel."
     ),
     tells_apart=(
-        "Clamp the leg and load the drive: the encoder shows the twist per torque. Or a second encoder at the joint."
+        "Clamp the joint and load the drive: the encoder shows the twist per torque. Or a second encoder at the joint."
     ),
     reference=(
         "Spong, Modeling and control of elastic joint robots, ASME Journal of Dynamic Systems, "

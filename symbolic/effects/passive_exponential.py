@@ -25,9 +25,12 @@ EFFECT = Effect(
             explains="+1: at large angles, -1: at small angles",
         ),
     },
-    explains=("Muscles, ligaments and skin of the wearer resist more and more steeply towards one end of the range."),
+    explains=(
+        "Something resists more and more steeply towards one end of the range: muscles, ligaments and skin of a "
+        "wearer, a sleeve."
+    ),
     tells_apart=(
-        "Move the relaxed wearer slowly towards the end of the range, with the other joint at two different angles."
+        "Move it slowly towards the end of the range, a wearer relaxed, with the other joint at two different angles."
     ),
     reference=(
         "Riener, Edrich, Identification of passive elastic joint moments in the lower extremities, "

@@ -16,7 +16,7 @@ EFFECT = Effect(
     absorbed_on={"hip": "the base model contains it already, as a change of Φ1 and Φ4 that no motion can show"},
     explains="The motor's own rotor has to be accelerated too, and through the gear it feels heavy.",
     tells_apart=(
-        "Fast small oscillations of the knee with the hip still, and a recording with a known added mass on the shank."
+        "Fast small oscillations of the joint with those before it still, and a recording with a known mass added."
     ),
     reference=(
         "Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and Control, Springer, 2009, section 7.1"

@@ -28,10 +28,10 @@ EFFECT = Effect(
         )
     },
     explains=(
-        "There is a gap in the drive: whenever the load changes sides, the leg falls through it while the encoder "
+        "There is a gap in the drive: whenever the load changes sides, the joint falls through it while the encoder "
         "at the motor stands still."
     ),
-    tells_apart="Hold the motor and push the leg to and fro by hand: it moves freely through the gap.",
+    tells_apart="Hold the motor and push the link to and fro by hand: it moves freely through the gap.",
     reference=(
         "Nordin, Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38(10), 1633-1649, 2002"
     ),

@@ -26,7 +26,7 @@ EFFECT = Effect(
         )
     },
     explains="The torque is logged later (or earlier) than the motion that belongs to it.",
-    tells_apart=("Fast reversals and a knock against the leg: both channels must show it at the same moment."),
+    tells_apart=("Fast reversals and a knock against the machine: both channels must show it at the same moment."),
     reference=(
         "Björklund, Ljung, A review of time-delay estimation techniques, IEEE Conference on Decision and Control, 2003"
     ),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from exoid.ground.engines.dask import dask
 from exoid.ground.engines.engine import Engine, EngineError
 from exoid.ground.engines.local import local
 from exoid.workbench.campaign import work as module
@@ -274,3 +275,22 @@ def test_a_recording_that_is_gone_when_it_is_looked_at_is_away(fleet):
     shutil.rmtree(fleet / "data" / "d 1")
     with pytest.raises(AwayError, match="cannot be read"):
         store.key(job)
+
+
+@pytest.mark.parametrize("far", ["sent", pytest.param("dask", marks=pytest.mark.slow)])
+def test_answers_name_the_files_of_the_sender_wherever_they_are_made(far, fleet):
+    (fleet / "data" / "d-1" / "run_3.csv").write_text("nothing here\n")
+    plan = read_plan(fleet / "plan.toml")
+    run_campaign(plan, fleet / "near", engine())
+    if far == "sent":
+        run_campaign(plan, fleet / "far", engine(ships=True))
+    else:
+        here = {"n_workers": 1, "processes": False, "protocol": "tcp://", "dashboard_address": None}
+        with pytest.importorskip("distributed").LocalCluster(**here) as cluster:
+            using = dask(cluster.scheduler_address)
+            run_campaign(plan, fleet / "far", using)
+            using.close(True)
+    near, away = (sorted(path for path in (fleet / name).rglob("*") if path.is_file()) for name in ("near", "far"))
+    assert [path.name for path in near] == [path.name for path in away]
+    assert [path.read_bytes() for path in near] == [path.read_bytes() for path in away]
+    assert not any("recordings_" in path.read_text() for path in away if path.suffix in (".csv", ".json"))

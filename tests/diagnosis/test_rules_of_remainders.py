@@ -9,7 +9,7 @@ import pytest
 from synthetic import search, state_with
 from test_rules_of_evidence import block, candidate, noise
 
-from exoid.diagnosis.evidence import channels, proxies, remainder, soft_drive
+from exoid.diagnosis.evidence import proxies, remainder, soft_drive
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.gain import Evidence
@@ -134,17 +134,6 @@ def test_a_curve_takes_the_place_of_a_constant_only_where_it_gains_clearly_more(
 
 
 # -- channels -------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.shows("own_length")
-@pytest.mark.parametrize(("left", "doubted"), [(0.18, True), (0.22, False)])
-def test_another_thigh_length_is_the_answer_where_it_leaves_half_of_what_all_effects_leave(left, doubted, monkeypatch):
-    """All effects together leave 0.4 of the squared error."""
-    length = SimpleNamespace(wrong=True, gain=(1.0 - left, 1.0 - left), value=0.45, sentence="it is wrong")
-    monkeypatch.setattr(channels, "wanted_thigh_length", lambda fit, prepared: length)
-    base = SimpleNamespace(fit=None, prepared=None, train_rms=np.ones(2))
-    last = SimpleNamespace(train_rms=np.full(2, np.sqrt(0.4)))
-    assert (channels._wrong_length(base, last, RULES) is not None) is doubted
 
 
 @pytest.mark.shows("soft_beside")

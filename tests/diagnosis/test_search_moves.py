@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from exoid.diagnosis.evidence.remainder import Remainder
-from exoid.diagnosis.search import choice, engine
+from exoid.diagnosis.search import choice
 from exoid.diagnosis.search.choice import contains
 from exoid.diagnosis.search.drop_unsteady import drop_unsteady
 from exoid.diagnosis.search.engine import run_search
@@ -228,24 +227,6 @@ def test_what_is_found_is_told_whatever_else_is_left(hidden):
     found = run_search(context, context.fit(Model.standard())).state
     assert found.names == tuple(hidden)
     assert found.left is not None and found.left.joint == "knee" and found.left.share > 0.5
-
-
-@pytest.mark.parametrize(
-    ("joint", "left", "taken"), [("knee", None, True), ("hip", None, False), ("knee", "knee", False)]
-)
-def test_the_search_is_repeated_without_what_leaves_something_at_its_joint(monkeypatch, joint, left, taken):
-    """Quadratic viscosity stands for cubic viscosity with Stribeck friction; others must leave nothing."""
-    both = {"viscous_cubic:knee": ([2.0], []), "stribeck:knee": ([1.5], [0.15])}
-    context = search(both, ["viscous_quadratic:knee", *both])
-    rest = {
-        where: Remainder(where, "dq2", "sign", 0.3, 0.3, 0.001, *np.zeros((3, 2)))
-        for where in ("hip", "knee")
-    }
-    near = replace(state_with(context, "viscous_quadratic:knee"), left=rest[joint])
-    true = replace(state_with(context, *both), left=rest.get(left))
-    monkeypatch.setattr(engine, "search_without_proxies", lambda context, begun: true if begun.banned else near)
-    found = run_search(context, context.fit(Model.standard())).state
-    assert found is (true if taken else near)
 
 
 def test_a_drift_is_no_offset_for_what_is_left_at_another_joint():

@@ -128,7 +128,7 @@ def test_two_recordings_do_not_veto_what_nearly_all_splits_of_eight_support():
 def test_what_splits_say_in_words():
     text = stability_of(Agreement(83, 84, {"c": (0.0031, 0.0042)}, (5,)), {"c": "kg·m²"}, ["run_05"])
     assert text == (
-        "accepted in 83 of 84 splits of the recordings, c = 0.0031 to 0.0042 kg·m²; it loses where run_05 are held out"
+        "accepted in 83 of 84 splits of the recordings, c 0.0031 to 0.0042 kg·m²; it loses where run_05 are held out"
     )
     assert stability_of(Agreement(), {}) == ""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -19,14 +21,23 @@ def runs(moving, count=2, first=0, **more):
     return [recording(first + k, moving=moving, **more) for k in range(count)]
 
 
-def test_a_joint_held_by_its_drive_tells_about_inertia_and_gravity():
+def test_the_torque_of_a_joint_that_is_held_is_not_its_load():
+    """Whatever brake, lock or friction carries of it: the joint that moves tells what it can, the rest is named."""
     fit = identify(Model.standard(), runs(HIP), optimisers=())
-    np.testing.assert_allclose(fit.linear[:6], BETA[:6], rtol=0.05, atol=0.02)
-    unknown = {e.name: e for e in fit.estimates if not np.isfinite([e.low, e.high]).all()}
-    assert set(unknown) == {"coulomb:knee", "viscous:knee"}
-    assert all(e.value == 0.0 for e in unknown.values())
-    said = [f for f in fit.plausibility if f.check == "unexcited"]
-    assert said and "viscous:knee" in said[0].where and "moves" in said[0].remedy
+    known = [0, 2, 4, 5]
+    np.testing.assert_allclose(fit.linear[known], BETA[known], rtol=0.05, atol=0.02)
+    unknown = {e.name for e in fit.estimates if not np.isfinite([e.low, e.high]).all()}
+    assert unknown == {"Phi2", "Phi4", "coulomb:knee", "viscous:knee"}
+    assert {f.check for f in fit.plausibility} == {"unexcited", "rank"}
+
+
+def test_friction_of_a_held_joint_bends_nothing():
+    made = [*runs(HIP), *runs(KNEE, first=5)]
+    leant = [replace(one, tau=one.tau + shift) for one, shift in zip(made, 1.5 * np.array(
+        [[0.0, 1.0], [0.0, -1.0], [1.0, 0.0], [-1.0, 0.0]]
+    ), strict=True)]
+    plain, with_friction = (identify(Model.standard(), some, optimisers=()) for some in (made, leant))
+    np.testing.assert_allclose(with_friction.linear, plain.linear, rtol=1e-3, atol=1e-3)
 
 
 def test_one_joint_moves_in_each_file():
@@ -50,7 +61,7 @@ def test_a_lock_that_carries_the_load_says_nothing_and_spoils_nothing():
 @pytest.mark.parametrize("moving", [HIP, KNEE])
 def test_comparison_of_a_joint_that_never_moves(moving):
     found = compare(Model.standard(), runs(moving), runs(moving, 1, 7))
-    assert np.all(found.verify_rms < 1.3 * found.noise_floor)
+    assert np.all(found.verify_rms <= 1.3 * found.noise_floor)
     assert np.all(np.isfinite(found.rms))
 
 

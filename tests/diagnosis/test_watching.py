@@ -7,14 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from exoid.diagnosis.against.differences import compare_against
+from exoid.diagnosis.against.questions import questions
+from exoid.diagnosis.against.result import Course
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import onset
-from exoid.diagnosis.watching.differences import compare_against
-from exoid.diagnosis.watching.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.diagnosis.watching.front import HALF, SPIKE, FrontEnd, Samples, despiked
-from exoid.diagnosis.watching.questions import questions
-from exoid.diagnosis.watching.result import Course
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.watched import Watched
 from exoid.diagnosis.watching.watcher import Watcher
@@ -25,6 +24,8 @@ from exoid.measurement.reading.growing import grown
 from exoid.measurement.recording import Recording
 from exoid.measurement.trajectories.trajectory import random_trajectory
 from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.recursive.encoder_noise import RING, EncoderNoise, following
+from exoid.optimisation.recursive.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.symbolic.effect import Coefficient, Effect
 from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.model import Model
@@ -154,6 +155,44 @@ def test_numbers_of_which_the_sum_is_well_known_are_not_made_certain_by_forgetti
     assert np.mean(held) >= 0.85
 
 
+def test_intervals_of_collinear_numbers_hold_while_old_samples_are_forgotten() -> None:
+    """Their columns differ by a twentieth, as those of inertia and gravity do in a slow motion."""
+    rng, missed = np.random.default_rng(6), []
+    columns = np.column_stack([np.ones(12_000), 1.0 + 0.05 * np.sin(2.0 * np.pi * np.arange(12_000) / 500.0)])[:, None]
+    for _ in range(30):
+        one = Estimator.start(TWO, np.array([2.0, -1.0]), np.full(2, 3.0), np.array([0.1]), 25.0, Pace())
+        tau = columns @ np.array([2.0, -1.0]) + 0.1 * rng.standard_normal((12_000, 1))
+        one.steps(columns, tau, np.ones((12_000, 1)))
+        missed += [not e.low <= x <= e.high for e, x in zip(one.estimates(), (2.0, -1.0), strict=True)]
+    assert np.mean(missed) < 0.15  # with steps of their own for each, 0.39
+
+
+def test_noise_in_the_columns_does_not_pull_numbers_towards_zero() -> None:
+    rng, count = np.random.default_rng(7), 20_000
+    true = rng.standard_normal((count, 1, 2)) * [1.0, 2.0]
+    noise = np.zeros((1, 1, 2))
+    noise[0, 0, 0] = 0.6  # a quarter of what is seen of the first number
+    seen = true + noise[0] * rng.standard_normal((count, 1, 1))
+    tau = true @ np.array([2.0, -1.0]) + 0.1 * rng.standard_normal((count, 1))
+    plain, aware = (Estimator.start(TWO, np.zeros(2), np.full(2, 10.0), np.ones(1), 25.0, Pace()) for _ in range(2))
+    plain.steps(seen, tau, np.ones((count, 1)))
+    aware.steps(seen, tau, np.ones((count, 1)), np.broadcast_to(noise, (count, 1, 1, 2)))
+    assert plain.estimates()[0].high < 1.7
+    assert aware.estimates()[0].low < 2.0 < aware.estimates()[0].high
+    assert abs(aware.estimates()[0].value - 2.0) < 0.1
+
+
+def test_the_noise_of_an_encoder_is_told_while_it_moves() -> None:
+    rng, t = np.random.default_rng(8), np.arange(6000) / 100.0
+    q = 0.4 * np.sin(2.0 * np.pi * t)[:, None] + 6e-5 * rng.standard_normal((6000, 1))
+    q[3000] += 0.3
+    whole = EncoderNoise(np.zeros(1), following(100.0)).take(q)
+    parts = EncoderNoise(np.zeros(1), following(100.0))
+    again = np.concatenate([parts.take(q[max(0, k - RING + 1) : k + 500]) for k in range(0, 6000, 500)])
+    np.testing.assert_array_equal(whole, again)
+    assert np.sqrt(whole[-1, 0]) == pytest.approx(6e-5, rel=0.1)
+
+
 def test_what_is_forgotten_follows_at_once_and_the_rest_stays() -> None:
     """Forgetting a number is the time update of the filter: the covariance of the others is as it was."""
     rng = np.random.default_rng(3)
@@ -208,7 +247,7 @@ def test_compiled_estimation_is_that_of_python(monkeypatch: pytest.MonkeyPatch) 
     use = rng.random((120, 1)) < 0.8
     compiled, plain = _estimator(), _estimator()
     compiled.steps(rows, tau, use)
-    monkeypatch.setattr("exoid.diagnosis.watching.estimator.kernel", lambda values: None)
+    monkeypatch.setattr("exoid.optimisation.recursive.estimator.kernel", lambda values: None)
     plain.steps(rows, tau, use)
     for name in ("linear", "variance", "root", "right", "credit", "score", "meat", "scale", "blocks", "inside"):
         np.testing.assert_allclose(getattr(compiled, name), getattr(plain, name), rtol=1e-9, atol=1e-12)

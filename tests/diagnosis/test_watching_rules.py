@@ -9,23 +9,25 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from exoid.diagnosis.against import differences
+from exoid.diagnosis.against.differences import BeforeAfter
+from exoid.diagnosis.against.result import Course, Differences
 from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.separation.result import Separation
-from exoid.diagnosis.watching import asking, course, differences, estimator, front
+from exoid.diagnosis.watching import asking, course, front
 from exoid.diagnosis.watching.alarm import Detector, Deviation, Pending
 from exoid.diagnosis.watching.course import onset
-from exoid.diagnosis.watching.differences import BeforeAfter
-from exoid.diagnosis.watching.estimator import Estimator, Pace
 from exoid.diagnosis.watching.front import FrontEnd, Samples
 from exoid.diagnosis.watching.memory import Memory
 from exoid.diagnosis.watching.pushes import Pushes
-from exoid.diagnosis.watching.result import Course, Differences
 from exoid.diagnosis.watching.scores import Scores, placebos
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.usual import Usual
 from exoid.diagnosis.watching.watcher import Watcher
 from exoid.diagnosis.watching.window import window
+from exoid.optimisation.recursive import estimator
+from exoid.optimisation.recursive.estimator import Estimator, Pace
 from exoid.symbolic.joints import LEG
 
 SEEDS = range(60)
@@ -142,6 +144,17 @@ def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
     good = np.repeat((np.arange(len(made)) % every == 0)[:, None], 2, axis=1).astype(float)
     seen = window("w", replace(made, good=good), one.filters.settled, one.filters).used
     assert bool(seen.all()) is used and bool(seen.any()) is used
+
+
+@pytest.mark.shows("window.STEADY")
+@pytest.mark.parametrize(("every", "tell"), [(20, True), (4, False)])
+def test_samples_beside_what_is_lost_do_not_tell_the_numbers(every: int, tell: bool) -> None:
+    one = FrontEnd(2)
+    made = one.push(stream())
+    assert one.filters is not None
+    good = np.repeat((np.arange(len(made)) % every != 0)[:, None], 2, axis=1).astype(float)
+    seen = window("w", replace(made, good=good), one.filters.settled, one.filters)
+    assert seen.used.all() and bool(seen.steady.all()) is tell
 
 
 @pytest.mark.shows("alarm.LEAST_POWER")

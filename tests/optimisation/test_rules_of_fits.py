@@ -18,7 +18,7 @@ from exoid.optimisation.fitting.neighbours import Neighbours
 from exoid.optimisation.fitting.thigh_length import ThighLength
 from exoid.optimisation.preparation import cutoff
 from exoid.optimisation.preparation.cutoff import _Noise
-from exoid.optimisation.preparation.filtering import _bears_load, prepare_one
+from exoid.optimisation.preparation.filtering import _reads_nothing, prepare_one
 from exoid.optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
 from exoid.optimisation.preparation.sticking import STICK, sticking
 from exoid.symbolic.model import Model
@@ -206,10 +206,12 @@ def test_a_joint_that_stays_between_two_samples_sticks_there(change, sticks):
 
 @pytest.mark.shows("filtering.LOADED")
 @pytest.mark.parametrize(("wave", "bears"), [(0.6, False), (1.3, True)])
-def test_a_joint_that_stands_shows_its_load_where_its_torque_varies_more_than_noise(wave, bears):
+def test_a_joint_has_a_drive_where_its_torque_varies_more_than_noise(wave, bears):
     noise = np.random.default_rng(1).standard_normal(T.size)
-    tau = np.column_stack([noise + wave * np.sqrt(2.0) * np.sin(2.0 * np.pi * 0.3 * T)])
-    assert _bears_load(tau, 100.0, 5.0).tolist() == [bears]
+    little = noise + wave * np.sqrt(2.0) * np.sin(2.0 * np.pi * 0.3 * T)
+    tau = np.column_stack([1e4 * np.sin(2.0 * np.pi * 0.3 * T), little])
+    even = SimpleNamespace(reach=np.ones(2), tau=tau, span=np.ptp(tau, axis=0), despiked=tau, rate=100.0)
+    assert _reads_nothing(even, 5.0).tolist() == [False, not bears]
 
 
 @pytest.mark.shows("extend.WORTH")

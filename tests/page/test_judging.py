@@ -8,7 +8,7 @@ import pytest
 
 from exoid.workbench.commands.demo import DATA
 from exoid.workbench.page.saved import reopen, save
-from exoid.workbench.page.views import state
+from exoid.workbench.page.views import details, state
 from exoid.workbench.page.work import start_work
 from exoid.workbench.page.workspace import Workspace
 
@@ -46,10 +46,21 @@ def test_the_answer_comes_by_itself_and_nothing_is_added_until_asked(space, tmp_
     told = {one.name: one.explained_share for one in space.judging.answer(space.session).suspects}
     ranked = wait_for(space, lambda shown: shown["ranking"] and MISSING in str(shown["ranking"]))["ranking"]["suspects"]
     assert {one["name"]: one["share"] for one in ranked}[MISSING] == told[MISSING]  # one share
+    assert [one["name"] for one in ranked if one["name"] in told][: len(told)] == list(told)  # one order
+    base, found = (step["verify_rms"] for step in space.judging.told(space.session)["steps"])
+    shown = state(space)  # one number for one thing: of the answer, foreseen, and after it was added
+    assert [one["error"] for one in shown["joints"]] == base and [one["after"] for one in shown["joints"]] == found
+    foreseen = details(space, MISSING)
+    assert foreseen["rms"] == found
+    (accepted,) = space.judging.answer(space.session).accepted
+    assert [one["value"] for one in foreseen["numbers"]] == [e.value for e in accepted.parameters.values()]
 
     space.discover()  # it is known: no second search
     assert space.names == (MISSING,) and space.search is None
-    taken = state(space)["verdict"]
+    added = wait_for(space, lambda shown: shown["fitted"])
+    assert [one["error"] for one in added["joints"]] == found and [one["first"] for one in added["joints"]] == base
+    assert [one["value"] for one in added["layers"][0]["numbers"]] == [e.value for e in accepted.parameters.values()]
+    taken = added["verdict"]
     assert taken["kind"] == "missing" and not taken["proposed"]
 
     again = Workspace(tmp_path / "again")

@@ -92,6 +92,18 @@ def test_from_the_start_screen_to_a_verdict(serve, visit, tmp_path):
     assert number(page, "error-knee") < 0.4 * before
     expect(page.get_by_test_id("staircase")).to_contain_text(f"+ {MISSING}")
 
+    # What can be done is found by its words; the plots are as high as one makes them.
+    page.keyboard.press("Control+k")
+    page.get_by_test_id("find").fill("show train_1")
+    page.keyboard.press("Enter")
+    expect(page.locator("#which")).to_have_value("0")
+    edge, height = page.locator("[data-pane=plots]"), "document.getElementById('compare').offsetHeight"
+    high = page.evaluate(f"() => {height}")
+    edge.press("ArrowUp")
+    assert page.evaluate(f"() => {height}") < high
+    edge.dblclick()
+    assert page.evaluate(f"() => {height}") == high
+
     # Take away.
     expect(page.get_by_test_id("command")).to_contain_text("exoid discover")
     page.get_by_test_id("copy-command").click()

@@ -47,5 +47,5 @@ def test_rivals_of_pushed_recordings_are_fitted_with_what_pushed(recordings):
 
 
 def test_the_page_tells_the_forces_that_are_used(recordings):
-    told = views.measured_forces(Session(Model.standard(), recordings).fitted())
-    assert [text.partition(" (")[0] for text in told] == ["measured force: thigh cuff", "measured force: shank cuff"]
+    told = [one.sentence for one in views._forces(Session(Model.standard(), recordings).fitted())]
+    assert [text.partition(" (")[0] for text in told] == ["thigh cuff", "shank cuff"]

@@ -136,6 +136,7 @@ def test_a_logger_that_starts_again_in_degrees_is_told(tmp_path: Path, capsys: p
     main(["watch", "standard", str(log), "--json", str(out)])
     events = [json.loads(line) for line in out.read_text(encoding="utf-8").splitlines()]
     assert [e["event"] for e in events] == ["skipped", "skipped", "columns", "start", "summary"]
+    assert [e["t"] for e in events[:3]] == pytest.approx([0.0, 2.99, 2.99])
     assert "q1 from 'q1' in deg" in events[2]["sentence"]
     assert "named anew" in capsys.readouterr().err
 

@@ -215,6 +215,9 @@ def test_what_was_learnt_comes_back_as_it_was(learnt, stream):
     assert again.reference.detector.limit == pytest.approx(learnt.reference.detector.limit, rel=0.05)
     before = {one.name: one.value for one in learnt.numbers.estimates()}
     assert {one.name: one.value for one in again.numbers.estimates()} == pytest.approx(before, rel=0.05, abs=0.1)
+    kept = WatchState.from_bytes(content)
+    older = {name: values for name, values in kept.arrays.items() if name != "estimator.feigned"}
+    assert Watcher(Model.standard(), learnt.settings, restored=WatchState(older, kept.about)).push(stream[6000:7500])
 
 
 def test_what_changed_goes_on_to_be_known_and_new_damage_is_none_of_it(learnt, stream):

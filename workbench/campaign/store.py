@@ -112,14 +112,15 @@ def task_of(
     sums = {} if store is None else store.sums(job)
 
     def sent(path: str, expected: str) -> dict[str, Any]:
+        where = os.path.realpath(path)
         if not ships:
-            return {"path": os.path.realpath(path), "data": None, "sha256": expected}
+            return {"path": where, "data": None, "sha256": expected}
         try:
             data = Path(path).read_bytes()
         except OSError as error:
-            return {"path": Path(path).name, "data": "", "sha256": "", "away": f"{path}: {error.strerror}"}
+            return {"path": where, "data": "", "sha256": "", "away": f"{path}: {error.strerror}"}
         away = f"{path}: {CHANGED}" if expected and sha256(data) != expected else ""
-        return {"path": Path(path).name, "data": base64.b64encode(data).decode("ascii"), "sha256": "", "away": away}
+        return {"path": where, "data": base64.b64encode(data).decode("ascii"), "sha256": "", "away": away}
 
     def every(role: str) -> list[dict[str, Any]]:
         paths = getattr(job, role)

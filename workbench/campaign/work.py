@@ -78,12 +78,13 @@ def _answered(
     """
     with noting() as noted:
         status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
+    theirs = {path: str(one["path"]) for role in ROLES for path, one in zip(given[role], task[role], strict=True)}
     unreadable: list[dict[str, str]] = []
     if status != 2:
         _check(expected, expected, noted)
     else:
         paths = [path for role in ROLES for path in given[role]] if task["verb"] != WATCH else []
-        unreadable = _unreadable(task, folder, paths, expected)
+        unreadable = _unreadable(task, paths, expected)
         bad = {one["path"] for one in unreadable}
         left = {role: [path for path in paths if path not in bad] for role, paths in given.items()}
         if bad and left["recordings"] and bool(left["verify"]) == bool(given["verify"]):
@@ -97,14 +98,14 @@ def _answered(
             _check(expected, expected, {})
             if before != (status, said):
                 raise AwayError("a recording could be read only now and then")
-    row: dict[str, Any] = {"unreadable": [{**one, "path": _shown(one["path"], folder)} for one in unreadable]}
-    lines = [_shown(line, folder) for line in said]
+    row: dict[str, Any] = {"unreadable": _shown(unreadable, theirs, folder)}
+    lines = _shown(said, theirs, folder)
     if status == 2:
         return row | {"status": "refused", "reason": " ".join(line.strip() for line in lines)}
     if status not in (0, 1):
         raise WorkError("\n".join(lines))
-    found = json.loads(_shown(json.dumps(result), folder))
-    return row | {"status": "done", "result": _steady(found), "notes": lines, "report": report}
+    found = _steady(_shown(result, theirs, folder))
+    return row | {"status": "done", "result": found, "notes": lines, "report": _shown(report, theirs, folder)}
 
 
 def _check(paths: Iterable[str], expected: Mapping[str, str], noted: Mapping[str, str]) -> None:
@@ -183,7 +184,7 @@ def row_of_events(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _unreadable(
-    task: Mapping[str, Any], folder: Path, paths: Sequence[str], expected: Mapping[str, str]
+    task: Mapping[str, Any], paths: Sequence[str], expected: Mapping[str, str]
 ) -> list[dict[str, str]]:
     """Return the recordings that cannot be read, each with the reason; AwayError for one that is only away."""
     out = []
@@ -194,7 +195,7 @@ def _unreadable(
             if _why_not(task, path)[0] != reason:
                 raise AwayError("could be read only now and then", where=path)
         if reason:
-            out.append({"path": path, "reason": _shown(reason, folder).replace("\n", " ")})
+            out.append({"path": path, "reason": reason.replace("\n", " ")})
     return out
 
 
@@ -223,9 +224,15 @@ def _placed(one: Mapping[str, Any], folder: Path, number: int, role: str) -> str
     return str(path)
 
 
-def _shown(text: str, folder: Path) -> str:
-    """Return `text` without the worker's temporary folder, which differs from run to run."""
-    return text.replace(f"{folder}/", "")
+def _shown(value: Any, theirs: Mapping[str, str], folder: Path) -> Any:
+    """Return `value` with the sender's paths for the worker's (`theirs`), and without its temporary `folder`."""
+    if isinstance(value, str):
+        for here, there in theirs.items():
+            value = value.replace(here, there)
+        return value.replace(f"{folder}/", "")
+    if isinstance(value, Mapping):
+        return {key: _shown(item, theirs, folder) for key, item in value.items()}
+    return [_shown(item, theirs, folder) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def _steady(value: Any) -> Any:

@@ -60,11 +60,19 @@ def _show(screen: Screen, found: Any, target: str) -> None:
     from exoid.workbench.terminal.showing import number, show_steps
 
     new = [e for e in found.after.estimates if e.name not in {b.name for b in found.before.estimates}]
-    rows = [(e.name, number(e.value), e.unit, number(e.low), number(e.high)) for e in new]
-    screen.table("What was added", ("parameter", "value", "unit", "95 % from", "to"), rows)
+    rows = [(_called(e.name), number(e.value), e.unit, number(e.low), number(e.high), e.name) for e in new]
+    screen.table("What was added", ("number", "value", "unit", "95 % from", "to", "id"), rows)
     show_steps(screen, found.waterfall)
     screen.say(str(found.sentence), "good" if found.helped else "bad")
     screen.say(f"model: {target}")
+
+
+def _called(name: str) -> str:
+    """Return what the number "stribeck:hip.c" is called."""
+    from exoid.symbolic.wording import number_of
+
+    term, _, key = name.rpartition(".")
+    return number_of(term.partition(":")[0], key)
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:

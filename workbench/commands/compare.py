@@ -64,7 +64,7 @@ def _against(args: argparse.Namespace) -> int:
     args.verify = args.against
     given = load(args)
     with progress("comparing before and after", quiet=args.quiet):
-        from exoid.diagnosis.watching.differences import compare_against
+        from exoid.diagnosis.against.differences import compare_against
 
         found = compare_against(
             given.model, given.recordings, given.verify, seed=args.seed, extra=given.model.custom, **given.filter

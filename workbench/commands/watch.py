@@ -159,7 +159,8 @@ def _follow(
     with _stopped_by_signals() as stopped:
         for samples, notes in live_samples(args, watcher):
             for one in notes:
-                report.line(one, watcher.last)
+                before = samples[: one.before, 0]
+                report.line(one, float(before[-1]) if before.size else watcher.last)
             report.all(watcher.push(samples))
             if live:
                 report.beat(len(samples))

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
-from exoid.diagnosis.watching.estimator_c import filled
 from exoid.ground.text import in_comment
+from exoid.optimisation.recursive.estimator_c import filled
 from exoid.workbench.bodies import base_name, link_names
 from exoid.workbench.export import c, urdf
 from exoid.workbench.identified import ExportError, Options, Ready

@@ -78,7 +78,7 @@ ANSWERS: dict[str, Callable[[Workspace, Request], Response]] = {
     "preview": _preview,
     "strides": lambda workspace, request: JSONResponse(numbers.strides(workspace, workspace.opened())),
     "answer": lambda workspace, request: _bytes(
-        numbers.judged_error_of(workspace, workspace.opened(), _number(request, "recording"))
+        numbers.other_error_of(workspace, workspace.opened(), _number(request, "recording"))
     ),
     "column": lambda workspace, request: _bytes(
         numbers.column_of(

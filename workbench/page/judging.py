@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from exoid.diagnosis.evidence.fitted import FittedModel
@@ -22,6 +22,7 @@ class Judging:
         self.search: BackgroundSearch | None = None
         self._session: Session | None = None
         self._found: Diagnosis | None = None
+        self._told: dict[str, Any] | None = None
         self._after: FittedModel | None = None
         self._asked: Then | None = None
         self._touch = touch
@@ -46,6 +47,10 @@ class Judging:
     def answer(self, session: Session | None) -> Diagnosis | None:
         """Return what was found for this session; None where it is not known (yet)."""
         return self._found if session is not None and session is self._session else None
+
+    def told(self, session: Session | None) -> dict[str, Any] | None:
+        """Return the same as JSON."""
+        return None if self.answer(session) is None else self._told
 
     def after(self, session: Session) -> FittedModel | None:
         """Return the model that was found, on the recordings of this session; None where it is not known (yet)."""
@@ -75,11 +80,12 @@ class Judging:
         """End a search, and forget what was found."""
         if self.search is not None and self.search.running:
             self.search.cancel()
-        self.search, self._session, self._found, self._after, self._asked = None, None, None, None, None
+        self.search, self._session, self._found, self._told = None, None, None, None
+        self._after, self._asked = None, None
 
     def _end(self, session: Session, found: Diagnosis | None, error: str) -> None:
         if session is self._session:
-            self._found = found
+            self._found, self._told = found, None if found is None else found.to_json()
             if self._asked is not None:
                 self._asked(session, found, error)
         self._touch()

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import RecordingError
+from exoid.workbench.page.answers import trial as trial_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,7 +59,7 @@ def error_of(workspace: Workspace, session: Session, index: int) -> bytes:
     head = {"recording": index, **_clock(_recording(session, index))}
     if now is not None:
         return packed({**head, "provisional": False}, {"error": now.residuals[index]})
-    trial = workspace.trials.get(names)
+    trial = trial_of(workspace, names)
     residuals = _on_whole(session, trial.residuals, index) if trial else session.fitted().residuals[index]
     return packed({**head, "provisional": True}, {"error": residuals})
 
@@ -87,14 +88,15 @@ def preview_of(workspace: Workspace, session: Session, name: str, index: int) ->
     return packed({"recording": index, "effect": name, "rms": trial.evaluation_rms.tolist()}, arrays)
 
 
-def judged_error_of(workspace: Workspace, session: Session, index: int) -> bytes:
-    """Return the error (J, K) N·m that the model has which Discover found by itself."""
+def other_error_of(workspace: Workspace, session: Session, index: int) -> bytes:
+    """Return the error (J, K) N·m beside the present one: of the model as it was given where effects were added to it,
+    else of the one that Discover found by itself.
+    """
     _recording(session, index)
-    after = workspace.judging.after(session)
-    if after is None:
+    other = session.known(()) if workspace.names else workspace.judging.after(session)
+    if other is None:
         raise RecordingError("nothing is judged yet", remedy="wait a moment")
-    error = after.residuals[index]
-    return packed({"recording": index, "rms": after.evaluation_rms.tolist()}, {"error": error})
+    return packed({"recording": index}, {"error": other.residuals[index]})
 
 
 def column_of(workspace: Workspace, session: Session, index: int, name: str) -> bytes:

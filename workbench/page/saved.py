@@ -193,6 +193,7 @@ def _verdict(found: dict[str, Any]) -> dict[str, Any]:
         **{key: str(found.get(key, "")) for key in ("headline", "sureness")},
         "steps": [{"model": str(one["model"]), **{e: _errors(one[e]) for e in ERRORS}} for one in found["steps"]],
         **shown,
+        **({"noise_floor": _errors(found["noise_floor"])} if found.get("noise_floor") else {}),
     }
 
 

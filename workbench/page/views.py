@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from exoid.diagnosis.evidence.fitted import pooled_rms
 from exoid.diagnosis.evidence.score import share_of_own_joints
-from exoid.diagnosis.outside import force_uses
+from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.sureness import MEANINGS
+from exoid.diagnosis.write_up import best_first
 from exoid.ground.plain import picked, plain_dict
 from exoid.ground.text import printable
 from exoid.measurement.reading.sources import suffixes
@@ -18,19 +20,20 @@ from exoid.symbolic.joints import parents
 from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from exoid.symbolic.wording import called, number_said, title_of
 from exoid.workbench.exporting import formats
+from exoid.workbench.page import answers
 from exoid.workbench.page.given import VERIFY, error_json
 from exoid.workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
     from exoid.diagnosis.evidence.fitted import FittedModel
     from exoid.diagnosis.evidence.score import Score
-    from exoid.diagnosis.results import Diagnosis
+    from exoid.diagnosis.results import Accepted, Diagnosis
     from exoid.diagnosis.session.ranking import Ranking
     from exoid.diagnosis.session.session import Session
     from exoid.measurement.finding import Finding
     from exoid.measurement.recording import Recording
     from exoid.symbolic.effect import Effect
-    from exoid.workbench.page.workspace import Names, Workspace
+    from exoid.workbench.page.workspace import Workspace
 
 NOTHING_HELD_OUT = "Nothing is held out: hold a recording back to see whether it holds on unseen motion."
 SURE = 1.96
@@ -82,9 +85,9 @@ def details(workspace: Workspace, name: str) -> dict[str, Any]:
     }
     if ranking is not None and score is not None:
         out["alike"] = list(ranking.alike(name))
-        out["numbers"] = _numbers(score)
-        trial = ranking.trial(name)
-        out["rms"] = None if trial is None else trial.evaluation_rms
+        found = answers.found(workspace, (*workspace.names, name))
+        out["numbers"] = _numbers(score) if found is None else _told_numbers(effect, found.accepted[-1])
+        out["rms"] = answers.error(workspace, (*workspace.names, name))
     return plain_dict(out)
 
 
@@ -115,9 +118,11 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     now = session.known(names)
     ranking = workspace.ranking()
     prepared = session.prepared
-    error = _error(workspace, session, names)
-    base = session.fitted()
+    error = answers.error(workspace, names)
+    base = answers.error(workspace, ())
     judged = None if names else workspace.judging.answer(session)
+    said = workspace.verdict or (None if names else workspace.judging.told(session))
+    floor = prepared.noise_floor if said is None else said.get("noise_floor") or prepared.noise_floor
     after = None if judged is None or not judged.accepted else judged.steps[-1].evaluation_rms
     lengths, above = _lengths(session.model), parents(session.model.joints)
     shown = prepared.verify or prepared.train
@@ -130,9 +135,9 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
                 "length": lengths[j],
                 "parent": above[j],
                 "error": None if error is None else error[j],
-                "first": base.evaluation_rms[j],
+                "first": None if base is None else base[j],
                 "after": None if after is None else after[j],
-                "noise": prepared.noise_floor[j],
+                "noise": floor[j],
                 "signal": signal[j],
             }
             for j, joint in enumerate(session.model.joints)
@@ -149,10 +154,8 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
             )
         ],
         "filter": prepared.choice.reason,
-        "audit": [
-            *measured_forces(now or base),
-            *(_noted(workspace, f) for f in prepared.findings if f.severity != "info"),
-        ],
+        "audit": [_noted(workspace, f) for f in prepared.findings if f.severity != "info"],
+        "forces": [printable(one.sentence) for one in _forces(now or session.fitted())],
         "fitted": now is not None,
         "key": ",".join(names) if now is not None else f"{','.join(names)}?",
         "failed": None if names not in workspace.failed else error_json(workspace.failed[names]),
@@ -161,14 +164,18 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         "verdict": _verdict(workspace, session),
         "ranking": None if ranking is None else {
             **picked(ranking, "weighed finished"),
-            "suspects": sorted((_as_judged(_suspect(ranking, one), judged) for one in ranking.scores), key=_best_first),
+            "suspects": best_first(
+                (_as_judged(_suspect(ranking, one), judged) for one in ranking.scores),
+                lambda one: one["sureness"], lambda one: one["share"] or 0.0,
+            ),
         },
     }
 
 
-def measured_forces(fitted: FittedModel) -> list[str]:
-    """Return what is said of each measured force of a fitted model: where it acts, and what torque it makes."""
-    return [f"measured force: {printable(force.sentence)}" for force in force_uses(fitted)]
+@lru_cache(maxsize=2)
+def _forces(now: FittedModel) -> tuple[ForceUse, ...]:
+    """Return what the measured forces of a fitted model are, once for all the times that the page asks."""
+    return force_uses(now)
 
 
 def _file_of(workspace: Workspace, recording: Recording) -> int | None:
@@ -183,18 +190,6 @@ def _lengths(model: Any) -> list[float]:
     known = [length for length in given if length]
     usual = known[-1] if known else 0.4
     return [length or usual for length in given]
-
-
-def _error(workspace: Workspace, session: Session, names: Names) -> list[float] | None:
-    """Return the error of each joint with these effects: that of the verdict on them, fitted, foreseen, or unknown."""
-    if names and names == workspace.names and workspace.verdict is not None:
-        last = workspace.verdict["steps"][-1]
-        return list(last["verify_rms"] or last["train_rms"])
-    now = session.known(names)
-    if now is not None:
-        return [float(x) for x in now.evaluation_rms]
-    trial = workspace.trials.get(names)
-    return None if trial is None else [float(x) for x in trial.evaluation_rms]
 
 
 def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:
@@ -231,8 +226,8 @@ def _history(workspace: Workspace, session: Session) -> dict[str, Any]:
             {
                 "label": step.label,
                 "effects": list(step.names),
-                "rms": _error(workspace, session, step.names),
-                "provisional": session.known(step.names) is None,
+                "rms": answers.error(workspace, step.names),
+                "provisional": answers.told(workspace, step.names) is None and session.known(step.names) is None,
             }
             for step in history.steps
         ],
@@ -243,9 +238,8 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     """Return the verdict of a search where it is about the present effects; else what can be said without one."""
     names = workspace.names
     found = workspace.verdict
-    judged = workspace.judging.answer(session) if found is None and not names else None
-    if judged is not None:
-        found = judged.to_json()
+    judged = workspace.judging.told(session) if found is None and not names else None
+    found = found or judged
     if found is not None:
         held_out = "" if session.prepared.verify else f" {NOTHING_HELD_OUT}"
         return {
@@ -266,7 +260,7 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
         }
     if names in workspace.failed:
         return {"kind": "unknown", "sentence": str(workspace.failed[names].what), "judged": False}
-    error = _error(workspace, session, names)
+    error = answers.error(workspace, names)
     if error is None:
         return {"kind": "unknown", "sentence": "Fitting …", "judged": False}
     floor = session.prepared.noise_floor
@@ -311,11 +305,6 @@ def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
     }
 
 
-def _best_first(suspect: Mapping[str, Any]) -> tuple[bool, int]:
-    """Put what is sure first, then the larger shares, as they are shown."""
-    return not suspect["sureness"].endswith("sure"), -round(100 * (suspect["share"] or 0.0))
-
-
 def _as_judged(suspect: dict[str, Any], judged: Diagnosis | None) -> dict[str, Any]:
     """Return a suspect with the share and the word that the answer has for it, where there is one."""
     if judged is None:
@@ -324,6 +313,12 @@ def _as_judged(suspect: dict[str, Any], judged: Diagnosis | None) -> dict[str, A
     return {**suspect, "sureness": ""} if said is None else {
         **suspect, "share": said.explained_share, "sureness": said.sureness
     }  # fmt: skip
+
+
+def _told_numbers(effect: Effect, accepted: Accepted) -> list[dict[str, Any]]:
+    """Return the numbers of an effect as the sentence of the answer names them."""
+    said = {k: number_said(effect, k, e.value, e.unit, 0.5 * (e.high - e.low)) for k, e in accepted.parameters.items()}
+    return [{"name": key, **picked(e, "unit value"), "said": said[key]} for key, e in accepted.parameters.items()]
 
 
 def _numbers(score: Score) -> list[dict[str, Any]]:

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import ExoidError
+from exoid.workbench.page import answers
 from exoid.workbench.page.given import FIT, VERIFY, Given, internal, read_as_others, read_given
 from exoid.workbench.page.workspace import TOLD_EVERY, Names, Workspace
 
@@ -99,7 +100,7 @@ def _rebuild(space: Workspace) -> None:
         space.stale = False
         fit, verify = _recordings(space, FIT), _recordings(space, VERIFY)
         model, own = space.model, tuple(space.own.values())
-        space.problem, space.failed, space.trials = None, {}, {}
+        space.problem, space.failed = None, {}
         if space.search is not None and space.search.running:
             space.search.cancel()
             space.search_message = "the recordings were changed; search again"
@@ -122,6 +123,9 @@ def _recordings(space: Workspace, role: str) -> list[Any]:
 
 def _fit(space: Workspace, session: Session, names: Names) -> None:
     try:
+        found = answers.found(space, names)
+        if found is not None:
+            session.take(names, found.fit)  # the numbers that its sentence named
         session.fitted(names)
     except ExoidError as error:
         space.failed[names] = error

@@ -25,7 +25,7 @@ from exoid.workbench.page.keeping import Keeping
 
 if TYPE_CHECKING:
     from exoid.diagnosis.results import Diagnosis
-    from exoid.diagnosis.session.ranking import Ranking, Trial
+    from exoid.diagnosis.session.ranking import Ranking
     from exoid.diagnosis.session.session import Session
     from exoid.measurement.reading.mapping import StatedMapping
     from exoid.symbolic.effect import Effect
@@ -55,7 +55,6 @@ class Workspace:
         self.own_texts: dict[str, dict[str, Any]] = {}
         self.history = History()
         self.session: Session | None = None
-        self.trials: dict[Names, Trial] = {}
         self.failed: dict[Names, ExoidError] = {}
         self.verdicts: dict[frozenset[str], dict[str, Any]] = {}
         """What searches said of the models they came to, as JSON; effects added by hand may come to the same models."""
@@ -300,9 +299,6 @@ class Workspace:
             self.history = self.history.add(name)
             if ranking is not None and self.names == (*before, name):
                 session.starts_at(self.names, ranking)
-                trial = ranking.trial(name)
-                if trial is not None:
-                    self.trials[self.names] = trial
         self.touch(changed=True)
 
     def change_history(self, change: Callable[[History], History]) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from exoid.diagnosis.sureness import meanings_of
+from exoid.symbolic.wording import added_said
 from exoid.workbench.report.sections.verdict import term
 from exoid.workbench.report.sections.where import error_sizes
 from exoid.workbench.terminal.screen import Screen, bar
@@ -127,7 +128,7 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
         likes, never = (", ".join(map(found.called, one.get(key) or ())) for key in ("look_alikes", "never_separable"))
         said = [f"these data cannot distinguish it from {likes}"] if likes else []
         said += [f"no motion can distinguish it from {never}"] if never else []
-        screen.say(f"  + {term(one)}: {'; '.join([one['sureness'], *said])}")
+        screen.say(f"  + {found.called(term(one))}: {'; '.join([one['sureness'], *said])}")
         if one.get("stability"):
             screen.say(f"    {one['stability']}", "faint")
     for one in result.get("possible", ()):
@@ -159,7 +160,7 @@ def show_steps(screen: Screen, fall: Any) -> None:
     """Show the falling error of a Diagnosis or a Waterfall: one bar per step, of the unseen motion where there is some.
     """
     for j, joint in enumerate(fall.joints):
-        shown = [(step.label, float(step.evaluation_rms[j])) for step in fall.steps]
+        shown = [(added_said(step.label), float(step.evaluation_rms[j])) for step in fall.steps]
         longest = max((x for _, x in shown if math.isfinite(x)), default=0.0) or 1.0
         width = max(len(name) for name, _ in shown)
         screen.say(f"error of the {joint}, {fall.steps[0].judged} motion [{fall.unit}]", "head")

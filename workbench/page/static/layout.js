@@ -1,9 +1,13 @@
-// How the page is laid out, remembered on this machine: widths of the panes, what is folded; and links that lead to a state.
+// How the page is laid out, remembered on this machine: sizes of the panes, what is folded; and links that lead to a state.
 
 import { look, on, view } from "./store.js";
 
 const PLACE = "exoid-layout";
-const WIDTHS = { side: [200, 560], right: [240, 640] };
+// Pixels a pane may have, along which axis, and in which direction its edge is drawn to make it larger.
+const PANES = {
+  side: { within: [200, 560], axis: "x", sign: 1, of: ".side" }, right: { within: [240, 640], axis: "x", sign: -1, of: ".right" },
+  plots: { within: [180, 2400], axis: "y", sign: 1, of: "#compare" }, detail: { within: [60, 900], axis: "y", sign: -1, of: "#detail" },
+};
 const STEP = 24;
 
 let kept = read();
@@ -29,8 +33,8 @@ export function keep(changes) {
 export const remembered = (name) => kept[name];
 
 export function layOut() {
-  for (const pane of Object.keys(WIDTHS)) if (Number.isFinite(kept[pane])) setWidth(pane, kept[pane]);
-  for (const split of document.querySelectorAll(".split")) listen(split, split.dataset.pane);
+  for (const pane of Object.keys(PANES)) if (Number.isFinite(kept[pane])) setSize(pane, kept[pane]);
+  listen();
   const fold = document.getElementById("fold-side");
   fold.addEventListener("click", () => foldSide(!document.body.classList.contains("no-side")));
   foldSide(Boolean(kept.folded));
@@ -42,32 +46,52 @@ export function foldSide(folded) {
   keep({ folded });
 }
 
-function setWidth(pane, width) {
-  const [low, high] = WIDTHS[pane];
-  const set = Math.round(Math.min(high, Math.max(low, width)));
+function setSize(pane, size) {
+  const [low, high] = PANES[pane].within;
+  const set = Math.round(Math.min(high, Math.max(low, size)));
   document.body.style.setProperty(`--${pane}`, `${set}px`);
+  document.body.classList.add(`sized-${pane}`);
   return set;
 }
 
-function listen(split, pane) {
-  const place = () => document.querySelector(`.${pane}`).getBoundingClientRect().width;
-  const sign = pane === "side" ? 1 : -1;
+// As large as it was made: what the window leaves.
+function free(pane) {
+  document.body.style.removeProperty(`--${pane}`);
+  document.body.classList.remove(`sized-${pane}`);
+  keep({ [pane]: null });
+}
+
+// One listener for all edges: some are drawn again while they are held.
+function listen() {
+  const paneAt = (event) => event.target.closest?.(".split")?.dataset.pane;
+  const sizeOf = (pane) => document.querySelector(PANES[pane].of).getBoundingClientRect()[PANES[pane].axis === "x" ? "width" : "height"];
+  const at = (event, pane) => (PANES[pane].axis === "x" ? event.clientX : event.clientY);
   let drag = null;
-  split.addEventListener("pointerdown", (event) => {
-    split.setPointerCapture(event.pointerId);
-    drag = { x: event.clientX, width: place() };
-  });
-  split.addEventListener("pointermove", (event) => drag && setWidth(pane, drag.width + sign * (event.clientX - drag.x)));
-  split.addEventListener("pointerup", (event) => {
-    if (drag) keep({ [pane]: setWidth(pane, drag.width + sign * (event.clientX - drag.x)) });
+  const size = (event) => drag.size + PANES[drag.pane].sign * (at(event, drag.pane) - drag.from);
+  const end = (event) => {
+    if (drag?.moved) keep({ [drag.pane]: setSize(drag.pane, size(event)) });
     drag = null;
+  };
+  document.addEventListener("pointerdown", (event) => {
+    const pane = paneAt(event);
+    if (!pane) return;
+    event.target.setPointerCapture(event.pointerId);
+    drag = { pane, from: at(event, pane), size: sizeOf(pane), moved: false };
   });
-  split.addEventListener("pointercancel", () => (drag = null));
-  split.addEventListener("keydown", (event) => {
-    const by = { ArrowLeft: -STEP, ArrowRight: STEP }[event.key];
+  document.addEventListener("pointermove", (event) => {
+    if (!drag) return;
+    drag.moved = true;
+    setSize(drag.pane, size(event));
+  });
+  document.addEventListener("pointerup", end);
+  document.addEventListener("pointercancel", () => (drag = null));
+  document.addEventListener("dblclick", (event) => paneAt(event) && free(paneAt(event)));
+  document.addEventListener("keydown", (event) => {
+    const pane = paneAt(event);
+    const by = pane && (PANES[pane].axis === "x" ? { ArrowLeft: -STEP, ArrowRight: STEP } : { ArrowUp: -STEP, ArrowDown: STEP })[event.key];
     if (!by) return;
     event.preventDefault();
-    keep({ [pane]: setWidth(pane, place() + sign * by) });
+    keep({ [pane]: setSize(pane, sizeOf(pane) + PANES[pane].sign * by) });
   });
 }
 

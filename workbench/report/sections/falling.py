@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
+from exoid.symbolic.wording import added_said
 from exoid.workbench.report.material import Material
 from exoid.workbench.report.sections.verdict import title
 
@@ -18,7 +20,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     fall, kinds = material.fall, ("fitted", "unseen")
     if fall is None:
         return None
-    words = [_words(step.label, material.model) for step in fall.steps]
+    words = [added_said(step.label, partial(title, model=material.model)) for step in fall.steps]
     sizes = [[_of_joint(step, j) for j in range(len(fall.joints))] for step in fall.steps]
     return {
         "joints": [_bars(fall, j, words, [own[j] for own in sizes]) for j in range(len(fall.joints))],
@@ -28,13 +30,6 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "sentences": [(step.label, step.sentence) for step in fall.steps if step.sentence],
         "ending": fall.stopped_because,
     }
-
-
-def _words(label: str, model: Any) -> str:
-    """Return "+ stribeck:hip + cuff:knee" in the words of the catalogue."""
-    if not label.startswith("+ "):
-        return label
-    return "".join(f"+ {title(name, model)} " for name in label.removeprefix("+ ").split(" + ")).strip()
 
 
 def _of_joint(step: Any, j: int) -> tuple[float, float | None]:

@@ -14,7 +14,7 @@ let plots = [];
 let data = null;
 let built = "";
 let layers = { measured: true, model: true, after: true, band: true };
-let answer = null; // the error with what Discover found by itself, of one recording
+let other = null; // the error of one recording before effects were added, or after what Discover found by itself
 let colouring = "direction";
 const axisOf = new Map();
 const clouds = new Map();
@@ -47,7 +47,7 @@ export async function loadCompare() {
   if (recording !== view.recording) return;
   data = { recording, motion, error };
   redraw();
-  await loadAnswer(recording);
+  await loadOther(recording);
   await Promise.all(state.recordings.map(async (_, k) => {
     const [m, e] = await Promise.all([motionOf(k), errorOf(k, state.key)]);
     clouds.set(k, { recording: k, motion: m, error: e });
@@ -56,18 +56,28 @@ export async function loadCompare() {
   redraw();
 }
 
-async function loadAnswer(recording) {
+const added = () => view.state.layers.some((one) => one.on);
+const otherWord = () => (added() ? "before" : "after");
+
+async function loadOther(recording) {
   const { verdict } = view.state;
-  const wanted = verdict.proposed && verdict.accepted.length > 0;
-  if (!wanted) answer = null;
-  else if (!answer || answer.head.recording !== recording || answer.key !== verdict.headline) {
+  document.getElementById("word-after").textContent = otherWord();
+  const words = added() || (verdict.proposed && verdict.accepted.length > 0) ? otherWord() : "";
+  const key = `${recording}|${words}|${words === "after" ? verdict.headline : ""}`;
+  if (!words) other = null;
+  else if (!other || other.key !== key) {
     try {
-      answer = { ...(await numbers("/api/answer", { recording })), key: verdict.headline };
+      other = { ...(await numbers("/api/answer", { recording })), key, words };
     } catch {
-      answer = null;
+      other = null;
     }
     redraw();
   }
+}
+
+// The other error as a curve: what comes after in the colour of what is good, what was before as a trace behind.
+function drawn(values) {
+  return other.words === "after" ? { values, colour: "good", width: 1.6, name: "after" } : { values, colour: "faint", width: 1.2, name: "before" };
 }
 
 // The plots over time as large as the screen.
@@ -138,7 +148,7 @@ function build() {
   built = key;
   plots = [];
   clouds.clear();
-  data = null;
+  data = other = null;
   document.body.style.setProperty("--joints", String(joints.length));
   fill(document.getElementById("compare"), head(recordings),
     joints.map((joint, j) => timePanels(joint, j)), h("div", { id: "further" }),
@@ -178,12 +188,12 @@ function head(recordings) {
 }
 
 function toggle(name) {
-  const words = { measured: "measured", model: "model", after: "after", band: "placebos" };
+  const words = { measured: "measured", model: "model", after: otherWord(), band: "placebos" };
   const box = h("input", { type: "checkbox", checked: layers[name], onchange: (event) => {
     layers = { ...layers, [name]: event.target.checked };
     redraw();
   } });
-  return h("label", { class: `key-${name}` }, box, ` ${words[name]}`);
+  return h("label", { class: `key-${name}` }, box, " ", h("span", { id: `word-${name}` }, words[name]));
 }
 
 function timePanels(joint, j) {
@@ -207,7 +217,7 @@ function content(joint, j, series, label) {
   return { t0, dt, count, recording, joint: j, series, label, unit: joint.unit, chosen: selected(view.selection, recording, j, motion, error) };
 }
 
-const found = () => answer !== null && data !== null && answer.head.recording === data.recording;
+const found = () => other !== null && data !== null && other.head.recording === data.recording;
 
 function torqueContent(joint, j) {
   if (!data) return null;
@@ -215,7 +225,7 @@ function torqueContent(joint, j) {
   const series = [];
   if (layers.measured) series.push({ values: motion.arrays.torque[j], colour: "measured", width: 2.4, name: "measured" });
   if (layers.model) series.push({ values: modelled(motion, error, j), colour: "model", width: 1.3, name: "model" });
-  if (layers.after && found()) series.push({ values: modelled(motion, answer, j), colour: "good", width: 1.3, name: "after" });
+  if (layers.after && found() && other.words === "after") series.push({ ...drawn(modelled(motion, other, j)), width: 1.3 });
   return content(joint, j, series, `${joint.name}: torque`);
 }
 
@@ -224,7 +234,7 @@ function errorContent(joint, j) {
   const { motion, error, recording } = data;
   const series = [{ values: masked(error.arrays.error[j], motion, j), colour: "joint", name: "now" }];
   const { preview } = view;
-  if (!preview && layers.after && found()) series.push({ values: masked(answer.arrays.error[j], motion, j), colour: "good", width: 1.6, name: "after" });
+  if (!preview && layers.after && found()) series[other.words === "after" ? "push" : "unshift"](drawn(masked(other.arrays.error[j], motion, j)));
   if (preview && preview.head.recording === recording) {
     const { arrays } = preview;
     if (layers.band) series.unshift({ values: masked(arrays.high[j], motion, j), band: masked(arrays.low[j], motion, j), colour: "faint", scales: false });

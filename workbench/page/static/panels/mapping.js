@@ -57,7 +57,7 @@ export async function openMapping(id) {
       h("div", { class: "mapping" }, rows.filter((row) => !row.required).map((row) => row.element))),
     h("details", {}, h("summary", {}, "leg and convention"), h("label", { for: "map-leg" }, "leg ", leg), h("label", { for: "map-convention" }, "angles and torques are counted as ", convention)),
     h("p", { class: "faint" }, "Kept for the next file with these columns."),
-    h("div", { class: "row" }, button("Use these columns", send, { class: "primary", "data-testid": "map-apply" }), button("Cancel", () => dialog.close())),
+    h("div", { class: "row" }, button("Use these columns", send, { class: sided && !table.told.leg ? "" : "primary", "data-testid": "map-apply" }), button("Cancel", () => dialog.close())),
   );
   // The file holds several legs: one click says which, and fills in what belongs to it.
   function sides() {

@@ -25,10 +25,12 @@ export function drawSuspects() {
   const progress = ranking.finished ? "all placebos asked"
     : ranking.weighed < 1 ? `${percent(ranking.weighed)} of the catalogue weighed` : "asking placebos; the p-values narrow";
   refill(place, head,
-    h("p", { class: "faint small", title: "what each would take away of the squared error of its own joints, on motion it was not fitted to", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
+    h("p", { class: "faint small", title: "what each would take away of the squared error of its own joints, on one fitted recording after the other, each left out of the fit in turn; of what was found, on the motion that the steps show", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
       chosen ? "Share of the selected error; " : "Share of the error on unseen motion; ", progress),
     h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
-    detailPanel(),
+    h("div", { class: "about", id: "about" },
+      h("div", { class: "split", "data-pane": "detail", role: "separator", "aria-orientation": "horizontal", "aria-label": "height of what is said of a suspect", tabindex: "0", id: "detail-edge" }),
+      detailPanel()),
   );
 }
 
@@ -101,7 +103,7 @@ function detailPanel() {
   const falls = shown.rms ? joints.map((joint, j) => `${joint.name} ${rms(joint.error)} → ${rms(shown.rms[j])} ${joint.unit}`).join(", ") : "";
   return h("div", { class: "detail", id: "detail", "data-testid": "detail" },
     h("h3", {}, shown.title), h("p", {}, shown.explains),
-    falls && h("p", {}, `Error as it would become: ${falls}. In the plots: the heavy line with it, grey what its placebos leave.`),
+    falls && h("p", {}, `Error as it would become on ${view.state.judged} motion: ${falls}. In the plots: the heavy line with it, grey what its placebos leave.`),
     shown.torque && h("p", {}, h("code", {}, shown.torque)),
     shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => one.said).join(", ")),
     h("p", { class: "faint" }, shown.alike.length ? `These data cannot distinguish it from: ${shown.alike.map(titleOf).join(", ")}` : "Nothing else does as well in these data."),

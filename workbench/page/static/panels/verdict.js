@@ -32,7 +32,7 @@ export function drawVerdict() {
     h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
     h("div", { "data-testid": "verdict", "data-verdict": verdict.kind },
       h("p", { class: "lead" }, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind), " ",
-        verdict.headline ? verdict.headline.replace(/^Found: /, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, "") : verdict.sentence),
+        verdict.headline ? withFigures(verdict.headline.replace(/^(Found: |Nothing is missing )/, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, "")) : verdict.sentence),
       h("div", { class: "said" }, verdict.sureness && sure(verdict.sureness),
       (verdict.why || verdict.next) && h("details", {}, h("summary", {}, verdict.judged ? "why, and what to measure next" : "what comes next"),
         verdict.headline && h("p", { class: "faint" }, verdict.sentence),
@@ -48,7 +48,20 @@ export function drawVerdict() {
   refill(document.getElementById("history"), staircase());
   refill(document.getElementById("notes"), h("h2", { id: "notes-title" }, "Notes"),
     state.audit.length === 0 ? h("p", { class: "faint" }, "Nothing to note about the recordings.") : h("ul", { class: "notes" }, state.audit.map((text) => h("li", {}, text))),
+    state.forces.length > 0 && [h("h3", {}, "Measured forces"), h("ul", { class: "notes", "data-testid": "forces" }, state.forces.map((text) => h("li", {}, text)))],
     h("p", { class: "faint" }, `filter: ${state.filter}`));
+}
+
+// A headline with what stands in brackets, its numbers, drawn lighter.
+function withFigures(text) {
+  const parts = [""];
+  let depth = 0;
+  for (const letter of text) {
+    if (letter === "(" && depth++ === 0) parts.push("");
+    parts[parts.length - 1] += letter;
+    if (letter === ")" && --depth === 0) parts.push("");
+  }
+  return parts.map((part) => (part.startsWith("(") ? h("span", { class: "figures" }, part) : part));
 }
 
 function automatic(on) {

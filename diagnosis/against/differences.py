@@ -17,6 +17,9 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.against.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
+from exoid.diagnosis.against.questions import FARTHEST, NEAREST, Acting, Asked, questions
+from exoid.diagnosis.against.result import ChangeFound, Course, Differences
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.gain import Evidence
@@ -26,9 +29,6 @@ from exoid.diagnosis.evidence.ranking import agreed, mark_significant
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.question import own_effects
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
-from exoid.diagnosis.watching.questions import FARTHEST, NEAREST, Acting, Asked, questions
-from exoid.diagnosis.watching.result import ChangeFound, Course, Differences
 from exoid.ground.calling import understood
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import ascending

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from exoid.diagnosis.watching.plots import errors_figure
-from exoid.diagnosis.watching.questions import Acting
+from exoid.diagnosis.against.plots import errors_figure
+from exoid.diagnosis.against.questions import Acting
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, table
 from exoid.ground.plain import AsJson

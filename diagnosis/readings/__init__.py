@@ -1,0 +1,23 @@
+"""Readings of the channels and of the geometry that are suspected as effects are: another length, a file each.
+
+A reading is an entry of the search that no catalogue has. What accepts it names no effect: the answer is what to
+correct, and effects are looked for when that is done.
+"""
+
+from __future__ import annotations
+
+from exoid.diagnosis.readings import thigh_length
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
+
+READINGS = (thigh_length,)
+"""Of each module: EFFECT, its entry; `asked(model, prepared)`, whether it may be the case; and `what_is_wrong(fit)`,
+what is to be said where it was accepted."""
+BY_NAME = {one.EFFECT.id: one for one in READINGS}
+
+
+def readings_of(model: Model, prepared: Prepared) -> tuple[Effect, ...]:
+    """Return the entries of the readings that may be the case."""
+    return tuple(one.EFFECT for one in READINGS if one.asked(model, prepared))
+
