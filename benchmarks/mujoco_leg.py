@@ -49,8 +49,8 @@ class Leg:
 
     `soft` is the stiffness of the knee drive, `gap` half the width of the gap in it; the encoder then sits at the
     motor. `floor` is how far below the hip the ground lies, `ground` how it gives way (MuJoCo's solref, s and damping),
-    `sway` the amplitude in m/s² of the acceleration of the base, with a phase of its own in every run. `tendon` is the
-    stiffness in N·m/rad of one across both joints.
+    `grip` its friction. `sway` is the amplitude in m/s² of the acceleration of the base, with a phase of its own in
+    every run, `tendon` the stiffness in N·m/rad of one across both joints.
     """
 
     dry: tuple[float, float] = (4.0, 3.0)
@@ -62,6 +62,7 @@ class Leg:
     gap: float | None = None
     floor: float | None = None
     ground: str = "0.05 1"
+    grip: float = 1.0
     sway: float = 0.0
 
     def xml(self) -> str:
@@ -81,7 +82,7 @@ class Leg:
         )
         shank = (
             '<inertial pos="0 0 -0.22" mass="6.0" diaginertia="0.11 0.11 0.02"/>'
-            '<geom name="foot" type="sphere" size="0.04" pos="0 0 -0.45" mass="0"/>'
+            f'<geom name="foot" type="sphere" size="0.04" pos="0 0 -0.45" mass="0" friction="{self.grip} 0.005 1e-4"/>'
         )
         if twist:
             rotor = f'<inertial pos="0 0 0" mass="0.001" diaginertia="{ROTOR} {ROTOR} {ROTOR}"/>'
@@ -90,7 +91,8 @@ class Leg:
             lower = f'<body pos="0 0 -0.4">{joint}{shank}</body>'
         ground = ""
         if self.floor is not None:
-            ground = f'<geom name="floor" type="plane" size="5 5 1" pos="0 0 {-self.floor}" solref="{self.ground}"/>'
+            feel = f'solref="{self.ground}" friction="{self.grip} 0.005 1e-4"'
+            ground = f'<geom name="floor" type="plane" size="5 5 1" pos="0 0 {-self.floor}" {feel}/>'
         tendon = ""
         if self.tendon:
             tendon = (

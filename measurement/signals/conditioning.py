@@ -35,7 +35,7 @@ from exoid.symbolic.waves import FEW, Waves, are_even
 
 ORDER = 2 * POLES
 MOST_APART, ENOUGH_APART = 0.9, 200
-"""Share of samples left out of an estimate of noise beyond which none are, unless so many samples are left."""
+"""Share of samples left out of an estimate of noise beyond which fewer are, unless so many samples are left."""
 SHORTEST = 2.0
 """Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
 MISSING = 0.25
@@ -326,11 +326,11 @@ def quiet_noise(x: Float, rate: float, cutoff: float, apart: np.ndarray | None =
     """Return the RMS (J,) that the steady noise of `x` (N, J) leaves below `cutoff` Hz, if it is white.
 
     Taken from the upper half of the spectrum by the median absolute deviation, so that bursts and jumps do not count,
-    and without the samples `apart` (N, J) unless hardly any others are left. `x` is the mean of `factor` times as many
+    and without the samples `apart` (N, J) unless no others are left. `x` is the mean of `factor` times as many
     samples (`averaged`), or as it was measured.
     """
     fast = x - low_pass(x, 0.25 * rate, rate)
-    left = np.ones(x.shape, dtype=bool) if apart is None else ~(apart & leaves_enough(apart))
+    left = np.ones(x.shape, dtype=bool) if apart is None else ~apart | apart.all(axis=0)
     told = [channel[keep] for channel, keep in zip(fast.T, left.T, strict=True)]
     scale = np.array([np.median(np.abs(channel - np.median(channel))) for channel in told]) / 0.6745
     return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate) / _left_by_averaging(factor)))

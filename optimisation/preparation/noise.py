@@ -14,8 +14,10 @@ from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
-BESIDE, NEAR = 6, 2
-"""Samples on either side of hidden ones in which the bend of a bridge is no noise, and in which most of it is."""
+BESIDE = 6, 2, 0
+"""Samples on either side of hidden ones in which the bend of a bridge is no noise, and fewer in which most of it is: a
+bridge itself has none.
+"""
 DRAWS, ENOUGH = 8, 24_000
 """Draws of white noise that are filtered, and samples of all recordings and draws from which on there are fewer."""
 
@@ -43,8 +45,9 @@ def _apart(hidden: Bool) -> Bool:
     """Return the samples (N, J) that do not tell the noise: hidden ones and as many beside them as leave enough others,
     for where most of a recording is hidden every bridge is near.
     """
-    margins = [np.column_stack([widen(column, beside) for column in hidden.T]) for beside in (BESIDE, NEAR)]
-    return np.asarray(np.where(leaves_enough(margins[0]), *margins))
+    margins = [np.column_stack([widen(column, beside) for column in hidden.T]) for beside in BESIDE]
+    enough = [leaves_enough(margin) for margin in margins[:-1]]
+    return np.asarray(np.select(enough, margins[:-1], margins[-1]))
 
 
 def noise_floor(prepared: Sequence[PreparedRecording]) -> Float:

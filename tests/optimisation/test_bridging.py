@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.signals.bridging import BRIDGE_ENDS, bridging
+from exoid.measurement.signals.conditioning import quiet_noise
 from exoid.optimisation.fitting.assemble import assemble
 from exoid.optimisation.linear.solve import solve_sse
+from exoid.optimisation.preparation.noise import _apart
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.model import Model
 
@@ -59,3 +61,16 @@ def test_torque_near_standstill_is_of_no_consequence():
     other = rng.normal(size=(2, len(one.motion), 3))
     by_column = [one.smooth(x.T) for x in np.moveaxis(other, 2, 0)]
     np.testing.assert_allclose(one.smooth_columns(other), np.stack(by_column, axis=2))
+
+
+@pytest.mark.parametrize("seen", [3, 6, 12, 40])
+def test_bridges_have_no_noise_to_tell_it_by(seen):
+    rng = np.random.default_rng(0)
+    hidden = np.ones((6000, 1), bool)
+    for first in range(20, 5900, 50):
+        hidden[first : first + seen] = False
+    x = 0.4 * rng.standard_normal((6000, 1))
+    at = np.flatnonzero(~hidden[:, 0])
+    x[:, 0] = np.interp(np.arange(6000), at, x[at, 0])
+    told = quiet_noise(x, 100.0, 1.0, _apart(hidden))
+    assert 0.5 < told[0] / (0.4 * np.sqrt(1.0 / 50.0)) < 1.5
