@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.own_sway import own_sway
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.question import Question
-from exoid.diagnosis.readings import BY_NAME as READINGS
+from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
@@ -126,8 +126,8 @@ def _answer(
     if done.answer is not None:
         return as_given(done.answer)
     extensions = state.extensions
-    if wrong := next((name for name in state.names if name in READINGS), None):
-        return as_given(doubted(READINGS[wrong].what_is_wrong(extensions[-1].fitted.fit)))
+    if wrong := next(filter(is_reading, state.names), None):
+        return as_given(doubted(reading_doubt(extensions[-1].fitted.fit, wrong)))
     on_all = done.context.prepared is prepared
     found_last = extensions[-1].fitted if on_all else fitted_model(extensions[-1].fitted.fit, prepared)
     judged = found_last.judged_anew() if len(extensions) > 1 else prepared
@@ -183,7 +183,7 @@ def _agreed(
 
 def _in_words(one: Accepted) -> Accepted:
     """Return what was accepted with readings among its look-alikes named in words: no catalogue has them."""
-    also = {name: READINGS[name].EFFECT.title.lower() for name in one.look_alikes if name in READINGS}
+    also = {name: reading_said(name) for name in one.look_alikes if is_reading(name)}
     if not also:
         return one
     alike, never = (tuple(also.get(n, n) for n in names) for names in (one.look_alikes, one.never_separable))

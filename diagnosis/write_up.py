@@ -18,7 +18,7 @@ from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.question import Searched, steps_of
-from exoid.diagnosis.readings import BY_NAME as READINGS
+from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.doubt import too_short
@@ -102,7 +102,7 @@ def write_up(
     """Return the answer to a question, with everything that it rests on."""
     prepared, last = done.prepared, extensions[-1]
     first = () if conclusion.verdict == "check_channels" else done.found.first
-    first = tuple(score for score in first if score.name not in READINGS)
+    first = tuple(score for score in first if not is_reading(score.name))
     steps = steps_of(extensions, [one.sentence for one in accepted])
     named = {a.name: a for a in accepted}
     told_apart = (

@@ -6,18 +6,34 @@ correct, and effects are looked for when that is done.
 
 from __future__ import annotations
 
+from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.readings import thigh_length
+from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 
 READINGS = (thigh_length,)
-"""Of each module: EFFECT, its entry; `asked(model, prepared)`, whether it may be the case; and `what_is_wrong(fit)`,
-what is to be said where it was accepted."""
-BY_NAME = {one.EFFECT.id: one for one in READINGS}
+"""Of each module: EFFECT, its entry; `asked(model, prepared)`, whether it may be the case; and `what_is_wrong(fit,
+name)`, what is to be said where it was accepted."""
+_BY_ID = {one.EFFECT.id: one for one in READINGS}
 
 
 def readings_of(model: Model, prepared: Prepared) -> tuple[Effect, ...]:
     """Return the entries of the readings that may be the case."""
     return tuple(one.EFFECT for one in READINGS if one.asked(model, prepared))
 
+
+def is_reading(name: str) -> bool:
+    """Whether the term called `name` is a reading."""
+    return name.partition(":")[0] in _BY_ID
+
+
+def reading_said(name: str) -> str:
+    """Return what a reading is, in words."""
+    return _BY_ID[name.partition(":")[0]].EFFECT.title.lower()
+
+
+def reading_doubt(fit: Fit, name: str) -> Doubt:
+    """Return what is to be said where the reading called `name` was accepted, by a fit in which it is."""
+    return _BY_ID[name.partition(":")[0]].what_is_wrong(fit, name)

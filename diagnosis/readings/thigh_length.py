@@ -31,10 +31,10 @@ def asked(model: Model, prepared: Prepared) -> bool:
     return has_a_length(model, prepared)
 
 
-def what_is_wrong(fit: Fit) -> Doubt:
-    """Return which length the recordings want, by a fit in which the entry is."""
+def what_is_wrong(fit: Fit, name: str) -> Doubt:
+    """Return which length the recordings want, by a fit in which the entry called `name` is."""
     known = {one.name: one for one in fit.estimates}
-    more, coupling = known[f"{EFFECT.id}.k"], known[COUPLING].value
+    more, coupling = known[f"{name}.k"], known[COUPLING].value
     weight = fit.model.gravity / fit.model.thigh_length
     value, *ends = (fit.model.gravity / (weight + k / coupling) for k in (more.value, more.low, more.high))
     low, high = sorted(ends)

@@ -8,7 +8,7 @@ from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.ranking import with_chance
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.stability import Splits
-from exoid.diagnosis.readings import BY_NAME as READINGS
+from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Possible
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.state import State
@@ -36,7 +36,7 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
     rules, key = context.rules, context.key(state.last)
     out, untested = [], []
     for score in context.ranked[key][1] if key in context.ranked else ():
-        if score.name in READINGS or score.name in state.banned or score.caution or score.share < rules.least_share:
+        if is_reading(score.name) or score.name in state.banned or score.caution or score.share < rules.least_share:
             continue
         agreement = score.agreement or Agreement()
         if agreement.share is not None and agreement.share < rules.least_possible:
