@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid.diagnosis.against.questions import Asked, questions
 from exoid.diagnosis.against.result import Differences
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.watching.alarm import Detector
 from exoid.diagnosis.watching.scores import Scores, placebos, scores
@@ -49,15 +49,9 @@ class Usual:
         block = block or self.now.block_of(one)
         return scores(self.watched.columns(one, block.columns), block.residual, block.use, self.scale, block)
 
-    def errors(self, one: Window) -> Float:
-        """Return the RMS error (J,) in a window."""
-        block = self.now.block_of(one)
-        squares = np.sum(block.residual**2 * block.use, axis=1) / np.maximum(block.use.sum(axis=1), 1)
-        return np.asarray(np.sqrt(squares))
-
     def grown_in(self, one: Window) -> Float:
         """Return how many times the usual error (J,) there is in a window."""
-        return self.grown(self.errors(one))
+        return self.grown(pooled_rms([self.now.block_of(one).residual], [one]))
 
     def grown(self, rms: Sequence[float] | Float) -> Float:
         """Return how many times the usual error (J,) an error is."""

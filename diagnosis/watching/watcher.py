@@ -309,11 +309,12 @@ class Watcher:
     def _ended(self) -> list[Event]:
         """Say which change is over: the one without which the last window is as usual, and with which it is not."""
         assert self.reference is not None and self.numbers is not None
-        for change, one in [(change, self.memory.recent[-1]) for change in self.applied]:
+        one = self.memory.recent[-1]
+        for change, among in [(change, some) for some in (self.applied, self.lasting) for change in some]:
             left, without = (np.max(self.reference.grown_in(self._as_usual(one, but))) for but in (None, change))
             if without <= min(GROWN, 0.5 * left):
                 self.pending = None
-                self.applied.remove(change)
+                among.remove(change)
                 self.memory.begin_at(one)
                 self._rescore()
                 self.numbers.changed(change.found, Onset.at(float(one.t[0])))

@@ -232,6 +232,12 @@ def test_what_changed_goes_on_to_be_known_and_new_damage_is_none_of_it(learnt, s
     second = Watcher(Model.standard(), learnt.settings, restored=WatchState.from_bytes(first.state().to_bytes()))
     events = [one for k in range(4000, len(damaged), 500) for one in second.push(damaged[k : k + 500])]
     assert not any(one.alarm for one in events) and "coulomb:knee" in second.changed
+    repaired = Watcher(Model.standard(), learnt.settings, restored=WatchState.from_bytes(first.state().to_bytes()))
+    events = [one for k in range(4000, len(stream), 500) for one in repaired.push(stream[k : k + 500])]
+    assert [(one.kind, one.sentence) for one in events if one.alarm] == [
+        ("over", "over again: coulomb:knee is as it was before")
+    ]
+    assert not repaired.changed
 
 
 def test_a_state_of_something_else_is_refused(learnt, stream):
