@@ -67,7 +67,7 @@ def _switches() -> Iterator[Switch]:
     yield Switch("search.choice", "outlives_noise", _says(True))
     yield Switch("search.choice", "_twins", _says([]))
     yield Switch("search.containing", "contains", _says(False))
-    for name in ("exchange", "drop_unsteady"):
+    for name in ("prune", "exchange", "drop_unsteady"):
         yield Switch(f"search.{name}", name, _as_it_was)
     yield Switch("search.take_back", "proxies", _says(frozenset()))
     yield Switch("search.take_back", "left_over", _says(None))

@@ -1,9 +1,9 @@
 """The search for what a model is missing: moves, applied until nothing changes.
 
-A move takes a state and returns another one: `forward` adds terms, `exchange` compares each with its rivals,
-`drop_unsteady` drops terms that only some splits of the recordings support, `take_back` takes back proxies. What is
-left beside what was accepted takes nothing of it back: it is a sentence of its own. A new move is a file with one
-function, and a place here.
+A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `exchange` compares
+each with its rivals, `drop_unsteady` drops terms that only some splits of the recordings support, `take_back` takes
+back proxies. What is left beside what was accepted takes nothing of it back: it is a sentence of its own. A new move is
+a file with one function.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.drop_unsteady import drop_unsteady
 from exoid.diagnosis.search.exchange import exchange
 from exoid.diagnosis.search.forward import forward
+from exoid.diagnosis.search.prune import prune
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.search.take_back import left_over, take_back
 
@@ -59,11 +60,11 @@ def search_without_proxies(context: SearchContext, state: State) -> State:
 
 
 def add_and_drop(context: SearchContext, state: State) -> State:
-    """Go forward, then compare with rivals, and again, until nothing is dropped."""
+    """Go forward, drop what is superfluous, compare with rivals, and again, until nothing is dropped."""
     state = replace(state, dropped=frozenset())
     while True:
         longer = forward(context, state)
-        shorter = exchange(context, longer)
+        shorter = exchange(context, prune(context, longer))
         fewer = {*longer.names} - {*shorter.names}
         state = replace(shorter, dropped=state.dropped | fewer)
         if not fewer:

@@ -14,6 +14,7 @@ from exoid.diagnosis.search.drop_unsteady import drop_unsteady
 from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.search.exchange import exchange
 from exoid.diagnosis.search.forward import forward
+from exoid.diagnosis.search.prune import prune
 from exoid.diagnosis.search.take_back import take_back
 from exoid.symbolic.model import Model
 
@@ -56,11 +57,16 @@ def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
 
 
 @pytest.mark.shows("sure")
-@pytest.mark.parametrize(("p_value", "stays"), [(0.008, True), (0.015, False)])
-def test_a_term_tested_beside_the_others_stays_where_placebos_hardly_do_as_well(plain, p_value, stays):
-    score = state_with(plain, "stribeck:hip").accepted[0]
-    assert plain.sure(replace(score, helps=True, p_value=p_value)) is stays
-    assert not plain.sure(replace(score, helps=False, p_value=p_value))
+def test_prune_drops_what_the_later_terms_made_superfluous(plain):
+    state = state_with(plain, "viscous_cubic:hip", "stribeck:hip")
+    assert prune(plain, state).names == ("stribeck:hip",)
+    assert prune(with_rules(plain, sure=1.0, least_share=-1.0), state) is state
+    assert state.names == ("viscous_cubic:hip", "stribeck:hip")
+
+
+def test_prune_leaves_two_real_terms_alone(plain):
+    state = state_with(plain, "torque_offset:knee", "stribeck:hip")
+    assert prune(plain, state) is state
 
 
 def test_exchange_takes_the_rival_that_is_better_beside_the_others():

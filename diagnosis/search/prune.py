@@ -1,0 +1,21 @@
+"""Prune: a term that the later ones have made superfluous goes."""
+
+from __future__ import annotations
+
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.state import State
+
+
+def prune(context: SearchContext, state: State) -> State:
+    """Test every accepted term but the last anew beside the others; drop those that no longer count."""
+    last, kept = state.last, list(state.accepted)
+    for score in state.accepted[:-1]:
+        if len(kept) < 2:
+            break
+        without = context.without(last, [score])
+        if not context.sure(context.tested(without, score)):
+            kept = [s for s in kept if s is not score]
+            last = without
+    if len(kept) == len(state.accepted):
+        return state
+    return context.replay(state, [s.name for s in kept])
