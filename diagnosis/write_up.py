@@ -108,7 +108,8 @@ def write_up(
     told_apart = (
         () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     )
-    length = None if conclusion.outside else wanted_thigh_length(last.fitted.fit, prepared)
+    told = conclusion.outside or any(map(is_reading, done.found.state.names))  # the answer says more than the audit can
+    length = None if told else wanted_thigh_length(last.fitted.fit, prepared)
     power = _power(done) if conclusion.verdict == "adequate" else ()
     said = power_said(power, last.fitted.model.find_effect)
     suspects = (_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution)
