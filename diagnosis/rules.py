@@ -62,8 +62,8 @@ class Rules:
     leading: float = _rule(
         ACCEPTANCE,
         0.5,
-        "part of what is more than noise that a base which sways with its own phase in every recording must explain: "
-        "what else swings is called a sway",
+        "part of what is more than noise that a torque before its motion, or a base that sways with its own phase in "
+        "every recording, must explain: what swings behind a soft drive is called early",
     )
     beyond_standstill: float = _rule(
         ACCEPTANCE,

@@ -33,7 +33,7 @@ def right(line: Line, truth: Line) -> bool:
     """Whether exactly what is hidden is named, and the verdict, where one is given, is the one to be given."""
     found, wrong = graded(truth["hidden"], line["names"])
     told = truth.get("told", "")
-    verdict = line["verdict"].partition(":")[0]
+    verdict = line.get("verdict", "").partition(":")[0]
     return found == len(truth["hidden"]) and not wrong and (not told or verdict in ("", told, "refused"))
 
 

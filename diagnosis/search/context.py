@@ -183,7 +183,7 @@ class SearchContext:
 
     def doubt(self, before: Extension, after: Extension) -> str:
         """Return why the term added last must not be accepted, and remember it; "" where nothing speaks against."""
-        reason = doubt(before, after, self.rules)
+        reason = doubt(before, after, self.noise(before), self.rules)
         if after.added is not None:
             self.note_doubt(before, after.added.name, reason)
         return reason

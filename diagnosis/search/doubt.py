@@ -14,6 +14,7 @@ from exoid.measurement.signals.masks import widen
 from exoid.optimisation.fitting.shapes import to_unit
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
 BESIDE = 0.05
@@ -22,8 +23,11 @@ DELAY = "time_delay"
 """The entry that has torque come at another moment."""
 
 
-def doubt(before: Extension, after: Extension, rules: Rules) -> str:
-    """Return why the term that `after` adds must not be accepted; "" where nothing speaks against it."""
+def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
+    """Return why the term that `after` adds must not be accepted; "" where nothing speaks against it.
+
+    `floor` (J,) is the noise in N·m, of the sensors or of what does not repeat.
+    """
     if after.added is None:
         return ""
     name = after.added.name
@@ -34,6 +38,7 @@ def doubt(before: Extension, after: Extension, rules: Rules) -> str:
         or made_by_the_filter(before, after, rules)
         or beside_standstill(before, after, rules)
         or less_than_chance(before, after, rules)
+        or torque_before_motion(before, after, floor, rules)
     )
 
 
@@ -176,4 +181,26 @@ def less_than_chance(before: Extension, after: Extension, rules: Rules) -> str:
         f"takes {taken[at[0]]:.2g} {joint.unit('tau')} off the error of the {joint.name}, where "
         f"{again.noise[at[0]]:.2g} {joint.unit('tau')} do not come again {again.what}: what acts from outside the "
         "model is larger, and resembles any effect for a while"
+    )
+
+
+def torque_before_motion(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
+    """Return that the term has torque come before its motion, yet leaves much of what is more than noise, `floor` (J,).
+
+    Loggers, buses and filters make torque late; early it hardly is, but what swings behind its drive looks so.
+    """
+    if after.added is None or after.added.candidate.term.effect.id != DELAY:
+        return ""
+    term = after.added.candidate.term
+    own = [k for k, entry in enumerate(after.fitted.model.shapes) if entry.term == term.name]
+    early = -float(np.median(after.fitted.fit.shapes[:, own]))
+    at = list(term.reaches)
+    whole, left = (
+        float(np.sum(np.maximum(one.fitted.evaluation_rms[at] ** 2 - floor[at] ** 2, 0.0))) for one in (before, after)
+    )
+    if early <= 0.0 or left <= (1.0 - rules.leading) * whole:
+        return ""
+    return (
+        f"the torque would come {early:.2g} s before the motion it belongs to, which hardly happens, and that explains "
+        f"{100 * max(0.0, 1.0 - left / whole):.0f} % of what is more than noise"
     )

@@ -309,6 +309,8 @@ class Watcher:
     def _ended(self) -> list[Event]:
         """Say which change is over: the one without which the last window is as usual, and with which it is not."""
         assert self.reference is not None and self.numbers is not None
+        if not self.memory.recent:
+            return []
         one = self.memory.recent[-1]
         for change, among in [(change, some) for some in (self.applied, self.lasting) for change in some]:
             left, without = (np.max(self.reference.grown_in(self._as_usual(one, but))) for but in (None, change))

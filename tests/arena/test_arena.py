@@ -71,6 +71,9 @@ def test_counts():
     assert graded(["a:hip", "b:hip"], [["a:hip"], ["c:hip", "b:hip"], ["d:hip"]]) == (2, 1)
     assert graded(["com_offset_shank"], [["encoder_offset_knee"]]) == (1, 0)
     assert right({"names": []}, {"hidden": []}) and not right({"names": []}, {"hidden": ["a:hip"]})
+    spoilt = {"hidden": [], "told": "check_channels"}
+    assert right({"names": [], "verdict": "check_channels: late"}, spoilt) and right({"names": []}, spoilt)
+    assert not right({"names": [], "verdict": "adequate"}, spoilt)
 
 
 def test_the_page_compares_cases_that_everybody_answered():

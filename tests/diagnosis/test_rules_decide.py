@@ -19,8 +19,10 @@ from exoid.diagnosis.evidence.stability import Splits
 from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search.doubt import (
+    DELAY,
     beside_standstill,
     on_bound,
+    torque_before_motion,
 )
 from exoid.diagnosis.search.possible import possible_of
 from exoid.diagnosis.verdict import _deciding, _nearest, conclude
@@ -62,6 +64,26 @@ def test_a_split_agrees_that_shows_a_good_part_of_the_gain(gain, agree):
 def test_a_split_in_which_a_term_hardly_shows_cannot_tell(shown, told):
     assert counted([(1.0, 1.0, 1.0)] * 3 + [(-1.0, shown, 1.0)]) == (3, told)
     assert counted([(1.0, 1.0, 1.0)] * 3 + [(-1.0, 1.0, shown)]) == (3, told)
+
+
+@pytest.mark.shows("leading")
+@pytest.mark.parametrize(
+    ("delay", "left", "doubted"), [(-0.02, 2.0, False), (-0.02, 2.6, True), (0.02, 2.6, False), (-0.02, 0.8, False)]
+)
+def test_torque_before_its_motion_must_explain_most(delay, left, doubted):
+    """Of 3 N·m with a noise of 1 N·m; the other joint does not count."""
+    term = SimpleNamespace(effect=SimpleNamespace(id=DELAY), name="time_delay:hip", reaches=(0,))
+    model = SimpleNamespace(shapes=[SimpleNamespace(term="time_delay:hip")])
+
+    def at(error):
+        return SimpleNamespace(evaluation_rms=np.array([error, 9.0]), model=model, fit=SimpleNamespace(shapes=delays))
+
+    delays = np.array([[delay], [delay], [0.05]])
+    before, after = SimpleNamespace(fitted=at(3.0)), SimpleNamespace(fitted=at(left))
+    after.added = SimpleNamespace(candidate=SimpleNamespace(term=term))
+    assert bool(torque_before_motion(before, after, np.ones(2), RULES)) is doubted
+    after.added.candidate.term = SimpleNamespace(effect=SimpleNamespace(id="stribeck"))
+    assert torque_before_motion(before, after, np.ones(2), RULES) == ""
 
 
 @pytest.mark.shows("beyond_standstill")

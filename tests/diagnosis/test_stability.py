@@ -188,7 +188,7 @@ def test_nothing_is_accepted_on_a_few_seconds_and_enough_is_said():
     assert "15 s are enough" in text
     assert too_short(search(OFFSET, ["torque_offset:knee"]).prepared, RULES) == ""
     after = state_with(context, "torque_offset:knee").last
-    assert doubt(after, after, RULES) == text
+    assert doubt(after, after, context.prepared.noise_floor, RULES) == text
 
 
 @pytest.mark.slow
