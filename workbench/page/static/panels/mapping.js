@@ -33,10 +33,10 @@ export function offerMapping(files) {
 
 export async function openMapping(id) {
   offered.add(id);
+  const own = waiting && waiting.id === id ? waiting : null; // opened by itself
   const table = await doing(ask("/api/columns", { file: id }));
-  const own = waiting && waiting.id === id;
-  if (!table || (!table.error && own)) {
-    if (own) waiting = null;
+  if (!table || (own && (!table.error || waiting !== own))) { // read meanwhile, as another file's answer says
+    if (own && waiting === own) waiting = null;
     return;
   }
   const error = h("div", { role: "alert", "data-testid": "map-error" });
