@@ -153,7 +153,7 @@ def _answer(
     )
     if soft is not None:
         return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
-    accepted = tuple(map(_in_words, accepted))
+    accepted = tuple(map(in_words, accepted))
     behind_filter = _filtered(done.context, state, rules)
     if behind_filter is not None and behind_filter.doubt is not None:
         return as_given(doubted(behind_filter.doubt))
@@ -181,7 +181,7 @@ def _agreed(
     return tuple(replace(one, agreement=own, against=tuple(names[k] for k in own.against)) for one, own in pairs)
 
 
-def _in_words(one: Accepted) -> Accepted:
+def in_words(one: Accepted) -> Accepted:
     """Return what was accepted with readings among its look-alikes named in words: no catalogue has them."""
     also = {name: reading_said(name) for name in one.look_alikes if is_reading(name)}
     if not also:

@@ -123,7 +123,7 @@ class Accepted(AsJson):
 class Possible(AsJson):
     """An effect that helps but is not accepted: only some splits support it, or `reason` says what speaks against it.
 
-    `parameters` have the range over the splits as `low` and `high`.
+    `parameters` have the range over the splits as `low` and `high`; `early`: its torque would come before its motion.
     """
 
     JSON = "effect joint accepted_in=agreement.share splits=agreement.of parameters explained_share reason"
@@ -134,6 +134,7 @@ class Possible(AsJson):
     parameters: Mapping[str, Estimate]
     explained_share: float
     reason: str
+    early: bool = False
 
     @property
     def name(self) -> str:

@@ -132,6 +132,9 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
             error.advice if swing is None else swing.advice,
             error,
         )
+    early = next((one for one in end.possible if one.early), None)
+    if early is not None:
+        return _early(early, end.first, where, end.stopped)
     only = _on_fitted_motion_only(end.last, end.possible, end.rules)
     if only:
         return Conclusion(
@@ -205,6 +208,21 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     return (
         f"the {last.model.joint_names[j]} keeps {last.train_rms[j]:.3g} {unit} on fitted motion ({', '.join(names)}), "
         f"{times[j]:.2g} times the noise, and {last.evaluation_rms[j]:.3g} {unit} on unseen motion"
+    )
+
+
+def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Conclusion:
+    """Return the conclusion where the only thing that helps is a torque that comes before its motion."""
+    name = called(early.name, first.model.find_effect)
+    return Conclusion(
+        "unexplained",
+        f"{name} lowers the error {where} more than its placebos do, but {early.reason}",
+        f"Something is missing that the catalogue does not describe; the error is {_times(first):.2g} times the noise "
+        f"floor. Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
+        stopped,
+        "a link that swings behind a drive that gives way looks so: measure its angle behind the drive, or clamp the "
+        "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
+        "knock against the leg",
     )
 
 

@@ -22,7 +22,7 @@ from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.simulated import made_by_itself
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.search.doubt import doubt
+from exoid.diagnosis.search.doubt import Objection, doubt
 from exoid.diagnosis.search.state import Extension, State
 from exoid.ground.progress import Progress, silent
 from exoid.ground.ties import least_of
@@ -55,7 +55,7 @@ class SearchContext:
     """Called with the state whenever a term was added."""
     ranked: dict[tuple[str, ...], Ranked] = field(default_factory=dict)
     """What was found against a model with these terms, for when the search comes back to it."""
-    doubts: dict[tuple[tuple[str, ...], str], str] = field(default_factory=dict)
+    doubts: dict[tuple[tuple[str, ...], str], Objection] = field(default_factory=dict)
     """Why a candidate was not accepted beside a model with these terms, although it helps."""
     refits: dict[tuple[tuple[str, ...], str, bytes], Extension] = field(default_factory=dict)
     """A model with these terms and one candidate, started at these values, for when it is compared again."""
@@ -181,17 +181,18 @@ class SearchContext:
         columns = {s.name: self.library.columns(s.candidate, extension.fitted) for s in scores}
         return agreed(evidence, scores, columns, extension.fitted)
 
-    def doubt(self, before: Extension, after: Extension) -> str:
-        """Return why the term added last must not be accepted, and remember it; "" where nothing speaks against."""
-        reason = doubt(before, after, self.noise(before), self.rules)
-        if after.added is not None:
-            self.note_doubt(before, after.added.name, reason)
-        return reason
+    def doubt(self, before: Extension, after: Extension) -> Objection | None:
+        """Return why the term added last must not be accepted, and remember it; None where nothing speaks against."""
+        found = doubt(before, after, self.noise(before), self.rules)
+        if found is not None and after.added is not None:
+            self.doubts[self.key(before), after.added.name] = found
+        return found
 
-    def note_doubt(self, before: Extension, name: str, reason: str) -> None:
-        """Remember why a candidate must not be accepted, unless `reason` is ""."""
+    def note_doubt(self, before: Extension, name: str, reason: str) -> bool:
+        """Remember why a candidate must not be accepted, unless `reason` is ""; return whether there is one."""
         if reason:
-            self.doubts[self.key(before), name] = reason
+            self.doubts[self.key(before), name] = Objection(reason)
+        return bool(reason)
 
     def noise(self, extension: Extension) -> Float:
         """Return the noise (J,), N·m: what the sensors say or, where the motion repeats, what of the error does not.

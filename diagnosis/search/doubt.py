@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
@@ -23,23 +25,32 @@ DELAY = "time_delay"
 """The entry that has torque come at another moment."""
 
 
-def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
-    """Return why the term that `after` adds must not be accepted; "" where nothing speaks against it.
+@dataclass(frozen=True)
+class Objection:
+    """Why a term must not be accepted, in words; `early`: because its torque would come before its motion."""
+
+    reason: str
+    early: bool = False
+
+
+def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Objection | None:
+    """Return why the term that `after` adds must not be accepted; None where nothing speaks against it.
 
     `floor` (J,) is the noise in N·m, of the sensors or of what does not repeat.
     """
     if after.added is None:
-        return ""
+        return None
     name = after.added.name
-    return (
+    reason = (
         too_short(after.fitted.prepared, rules)
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
         or beside_standstill(before, after, rules)
         or less_than_chance(before, after, rules)
-        or torque_before_motion(before, after, floor, rules)
     )
+    early = "" if reason else torque_before_motion(before, after, floor, rules)
+    return Objection(reason or early, early=bool(early)) if reason or early else None
 
 
 def too_short(prepared: Prepared, rules: Rules) -> str:

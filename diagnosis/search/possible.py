@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.ranking import with_chance
@@ -41,8 +42,8 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
         agreement = score.agreement or Agreement()
         if agreement.share is not None and agreement.share < rules.least_possible:
             continue
-        if reason := context.doubts.get((key, score.name)):
-            out.append(_possible(score, agreement, reason))
+        if objection := context.doubts.get((key, score.name)):
+            out.append(replace(_possible(score, agreement, objection.reason), early=objection.early))
         elif reason := _too_few(score, several):
             untested.append((score, agreement, reason))
     if untested:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discover import discover, in_words
 from exoid.diagnosis.readings import is_reading, thigh_length
+from exoid.diagnosis.results import Accepted
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.symbolic.catalogue import find_effect
@@ -47,3 +50,12 @@ def test_machines_without_a_length_to_tell_are_not_asked_for_one():
     assert thigh_length.asked(Model.standard(), nothing)
     assert not thigh_length.asked(Model(joints=["axis"]), nothing)
     assert not thigh_length.asked(Model.standard(), SimpleNamespace(misread=("swapped",), train=()))
+
+
+def test_a_reading_that_cannot_be_told_apart_is_named_in_words():
+    alike = ("thigh_length", "backlash:knee")
+    one = Accepted("rotor_inertia", "knee", {}, alike, alike[:1], 0.001, 1.0, 0.5, "")
+    told = in_words(one)
+    assert told.look_alikes == ("another thigh length", "backlash:knee")
+    assert told.never_separable == told.outside == ("another thigh length",)
+    assert in_words(replace(one, look_alikes=(), never_separable=())).outside == ()

@@ -20,6 +20,7 @@ from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search.doubt import (
     DELAY,
+    Objection,
     beside_standstill,
     on_bound,
     torque_before_motion,
@@ -123,6 +124,16 @@ def test_no_experiment_separates_what_is_no_entry():
     assert "--separate time_delay:hip,stribeck:hip finds" in _deciding([replace(one, look_alikes=("stribeck:hip",))])
 
 
+def test_a_model_is_not_adequate_where_only_an_early_torque_helps():
+    context = search({}, ["torque_offset:knee"])
+    last = state_with(context).last.fitted
+    early = Possible(DELAY, "hip", Agreement(4, 4), {}, 0.04, "the torque would come 0.03 s before", early=True)
+    found = conclude((), None, last, last, True, 4, possible=(early,))
+    assert found.verdict == "unexplained" and "drive" in found.next_experiment
+    assert "Time delay at the hip, 4 %" in found.sentence
+    assert conclude((), None, last, last, True, 4, possible=(replace(early, early=False),)).verdict == "adequate"
+
+
 def test_a_model_is_not_adequate_where_what_is_missing_shows_in_fitted_recordings_only():
     context = search({"torque_offset:knee": ([1.0], [])}, ["torque_offset:knee"], scales=(1.0, -1.0, 1.0, 0.0))
     last = state_with(context).last.fitted
@@ -193,7 +204,7 @@ def test_what_a_fifth_of_the_splits_supports_is_listed_as_possible(accepted, lis
         rules=RULES,
         key=lambda _: "now",
         ranked={"now": (None, scores)},
-        doubts={("now", score.name): "its interval contains zero" for score in scores},
+        doubts={("now", score.name): Objection("its interval contains zero") for score in scores},
     )
     assert len(possible_of(context, SimpleNamespace(last=None, banned=()), True)) == listed
 

@@ -118,7 +118,7 @@ def test_a_term_whose_interval_contains_zero_is_possible_and_not_accepted(plain)
     vague = replace(state.last, fitted=replace(last, fit=replace(last.fit, estimates=wide)))
     found = drop_unsteady(plain, state.grown(*state.extensions[:-1], vague))
     assert set(found.names) == {"stribeck:hip", "torque_offset:knee"}
-    assert "contains zero" in plain.doubts[plain.key(found.last), "viscous_cubic:hip"]
+    assert "contains zero" in plain.doubts[plain.key(found.last), "viscous_cubic:hip"].reason
 
 
 def test_what_every_recording_supports_stays(plain):
@@ -194,7 +194,7 @@ def test_nothing_is_named_that_is_no_larger_than_what_the_filter_gets_wrong():
     context = replace(fresh, prepared=replace(fresh.prepared, filter_error=np.full(2, 5.0)))
     found = forward(context, state_with(context))
     assert found.names == ()
-    assert any("filter and derivatives alone get 5" in one for one in context.doubts.values())
+    assert any("filter and derivatives alone get 5" in one.reason for one in context.doubts.values())
     assert take_back(context, found).left is None
 
 

@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.repeats import Repeats
 from exoid.diagnosis.evidence.stability import Splits, splits_of
 from exoid.diagnosis.results import stability_of
 from exoid.diagnosis.rules import RULES
-from exoid.diagnosis.search.doubt import doubt, on_bound, too_short, undetermined
+from exoid.diagnosis.search.doubt import Objection, doubt, on_bound, too_short, undetermined
 from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.search.possible import agreements_of, possible_of
 from exoid.measurement.bench.hidden import Hidden
@@ -188,7 +188,7 @@ def test_nothing_is_accepted_on_a_few_seconds_and_enough_is_said():
     assert "15 s are enough" in text
     assert too_short(search(OFFSET, ["torque_offset:knee"]).prepared, RULES) == ""
     after = state_with(context, "torque_offset:knee").last
-    assert doubt(after, after, context.prepared.noise_floor, RULES) == text
+    assert doubt(after, after, context.prepared.noise_floor, RULES) == Objection(text)
 
 
 @pytest.mark.slow
