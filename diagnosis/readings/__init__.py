@@ -7,21 +7,22 @@ correct, and effects are looked for when that is done.
 from __future__ import annotations
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
-from exoid.diagnosis.readings import thigh_length
+from exoid.diagnosis.readings import link_length, thigh_length
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 
-READINGS = (thigh_length,)
-"""Of each module: EFFECT, its entry; `asked(model, prepared)`, whether it may be the case; and `what_is_wrong(fit,
-name)`, what is to be said where it was accepted."""
+READINGS = (thigh_length, link_length)
+"""Of each module: EFFECT; `entry(model, prepared)`, that effect where it may be the case, or None; and
+`what_is_wrong(fit, name)`, what is to be said where it was accepted."""
 _BY_ID = {one.EFFECT.id: one for one in READINGS}
 
 
 def readings_of(model: Model, prepared: Prepared) -> tuple[Effect, ...]:
     """Return the entries of the readings that may be the case."""
-    return tuple(one.EFFECT for one in READINGS if one.asked(model, prepared))
+    entries = (one.entry(model, prepared) for one in READINGS)
+    return tuple(one for one in entries if one is not None)
 
 
 def is_reading(name: str) -> bool:

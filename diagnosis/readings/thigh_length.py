@@ -26,9 +26,9 @@ EFFECT = Effect(
 )
 
 
-def asked(model: Model, prepared: Prepared) -> bool:
-    """Whether recordings can tell a length of the thigh."""
-    return has_a_length(model, prepared)
+def entry(model: Model, prepared: Prepared) -> Effect | None:
+    """Return the entry where recordings can tell a length of the thigh."""
+    return EFFECT if has_a_length(model, prepared) else None
 
 
 def what_is_wrong(fit: Fit, name: str) -> Doubt:

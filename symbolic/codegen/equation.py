@@ -206,19 +206,22 @@ class _Builder:
         inertial, self.reach = len(model.inertial), ca.SX.sym("reach")
         base, aside, added = STILL, [], [ca.SX(0)] * self.count
         across: tuple[int, ...] = ()
+        lengths: dict[int, Any] = {}
         if model.derived:
             mechanism, torques_added, _ = changed(machine(joints), model.derived)
-            offset, moments, pull = tree_changes(mechanism)
-            translated = casadi_from_sympy([*offset, *moments.values(), *pull, *torques_added], symbols)
-            across = tuple(moments)
-            q = [angle + more for angle, more in zip(q, translated, strict=False)]
-            aside = translated[self.count : self.count + len(across)]
-            forward, downward = translated[self.count + len(across) :][:2]
-            base, added = BaseMotion(forward=forward, upward=downward - model.gravity), translated[-self.count :]
+            changes = tree_changes(mechanism)
+            q = [angle + more for angle, more in zip(q, casadi_from_sympy([*changes.offset], symbols), strict=True)]
+            across, aside = tuple(changes.moments), casadi_from_sympy([*changes.moments.values()], symbols)
+            lengths = dict(
+                zip(changes.lengths, casadi_from_sympy([*changes.lengths.values()], symbols), strict=True)
+            )
+            forward, downward = casadi_from_sympy([*changes.pull], symbols)
+            base = BaseMotion(forward=forward, upward=downward - model.gravity)
+            added = casadi_from_sympy([*torques_added], symbols)
         if model.moving_base:
             angle, rate, turning, ax, az = (self.state[name] for name in BASE_STATE)
             base = BaseMotion(angle, rate, turning, base.forward + ax, base.upward + az)
-        found = tree_columns(joints, model.gravity, q, dq, ddq, base, across, model.moving_base, self.longest)
+        found = tree_columns(joints, model.gravity, q, dq, ddq, base, across, model.moving_base, self.longest, lengths)
         own = [self.numbers[p.name] for p in model.parameters if p.term in {term.name for term in model.derived}]
         for p, column in enumerate(found[:inertial]):
             rest = [self._without(entry, own) for entry in column]

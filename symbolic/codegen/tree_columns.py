@@ -4,7 +4,7 @@ joints.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from exoid.symbolic.codegen.translate import casadi_from_sympy
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.mechanics.base_parameters import base_parameters
-from exoid.symbolic.mechanics.newton_euler import ACROSS, STILL, BaseMotion, link_torques
+from exoid.symbolic.mechanics.newton_euler import ACROSS, AS_GIVEN, STILL, BaseMotion, link_torques
 from exoid.symbolic.mechanics.tree import tree_form
 
 LONGEST_SYMBOLIC = 6
@@ -36,29 +36,32 @@ def tree_columns(
     across: tuple[int, ...] = (),
     measured: bool = False,
     longest: int = LONGEST_SYMBOLIC,
+    lengths: Mapping[int, Any] = AS_GIVEN,
 ) -> list[list[Any]]:
     """Return the torque at every joint (J,) per unit of each base parameter (P,), for CasADi symbols of the motion.
 
     `base` are CasADi expressions of the base's motion, `measured` where they are those of recordings. A column for
-    the mass beside the axis of each link `across` follows. Up to `longest` joints they are Lagrange's. DerivationError
-    where Lagrange and Newton-Euler differ at random states.
+    the mass beside the axis of each link `across` follows. Links among `lengths` have another length than their joints
+    say. Up to `longest` joints they are Lagrange's. DerivationError where Lagrange and Newton-Euler differ at random
+    states.
     """
     import casadi
 
     parameters = base_parameters(joints, gravity, measured)
-    links = link_torques(joints, gravity, q, dq, ddq, casadi, base, across)
+    links = link_torques(joints, gravity, q, dq, ddq, casadi, base, across, lengths)
     wanted_of = [(p.link, p.kind) for p in parameters] + [(link, ACROSS) for link in across]
     recursive = [[casadi.SX(entry) for entry in links[link][kind]] for link, kind in wanted_of]
     if len(joints) > longest:
         return recursive
     moving = base is not STILL
-    form = tree_form(joints, gravity, across, moving, measured)
+    form = tree_form(joints, gravity, across, moving, measured, tuple(lengths))
     symbols: dict[str, Any] = {
         f"{stem}{k + 1}": symbol
         for stem, row in zip(("theta", "dtheta", "ddtheta"), (q, dq, ddq), strict=True)
         for k, symbol in enumerate(row)
     }
     symbols |= {"g_x": casadi.SX(base.forward), "g_z": gravity + casadi.SX(base.upward)}
+    symbols |= {f"length{k + 1}": length for k, length in lengths.items()}
     symbols |= {"base": base.angle, "dbase": base.rate, "ddbase": base.turning}
     columns = [casadi_from_sympy(list(form.matrix[:, k]), symbols) for k in range(len(wanted_of))]
     both = [casadi.vertcat(*(entry for column in found for entry in column)) for found in (columns, recursive)]

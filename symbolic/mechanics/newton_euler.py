@@ -7,8 +7,9 @@ chapter 5; per parameter as in Khalil, Dombre, Modeling, Identification and Cont
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from exoid.symbolic.joints import Joint, ancestors, parents
@@ -36,6 +37,8 @@ class BaseMotion:
 
 
 STILL = BaseMotion()
+AS_GIVEN: Mapping[int, Any] = MappingProxyType({})
+"""No link of another length than its joint says."""
 
 
 @dataclass(frozen=True)
@@ -52,15 +55,15 @@ class _Frame:
 
 def link_torques(
     joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
-    base: BaseMotion = STILL, across: Sequence[int] = (),
+    base: BaseMotion = STILL, across: Sequence[int] = (), lengths: Mapping[int, Any] = AS_GIVEN,
 ) -> list[dict[str, list[Any]]]:
     """Return, per link, {parameter: torque at every joint (J,)} for one unit of that parameter; N·m, or N where a joint
     slides.
 
     `q`, `dq`, `ddq` (J,) hold numbers, arrays or expressions of the library `lib`. `gravity` m/s² pulls downwards. The
-    links `across` have a centre of mass off their axis as a further parameter.
+    links `across` have a centre of mass off their axis as a further parameter, those among `lengths` another length, m.
     """  # fmt: skip
-    frames = _frames(joints, gravity, q, dq, ddq, lib, base)
+    frames = _frames(joints, gravity, q, dq, ddq, lib, base, lengths)
     found = []
     for index, frame in enumerate(frames):
         swing = _add(_scale(frame.turning, frame.n), _scale(-frame.rate * frame.rate, frame.e))
@@ -103,7 +106,7 @@ def push_torques(
 
 def _frames(
     joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
-    base: BaseMotion,
+    base: BaseMotion, lengths: Mapping[int, Any] = AS_GIVEN,
 ) -> list[_Frame]:  # fmt: skip
     frames: list[_Frame] = []
     angles: list[Any] = []
@@ -113,7 +116,7 @@ def _frames(
             angle, rate, turning = base.angle + zero, base.rate + zero, base.turning + zero
             origin, acceleration = (zero, zero), (base.forward + zero, gravity + base.upward + zero)
         else:
-            above, length = frames[parent], float(joints[parent].length or 0.0)
+            above, length = frames[parent], lengths.get(parent, float(joints[parent].length or 0.0))
             angle, rate, turning = angles[parent], above.rate, above.turning
             origin = _add(above.origin, _scale(length, above.e))
             swing = _add(_scale(turning, above.n), _scale(-rate * rate, above.e))

@@ -13,7 +13,7 @@ Modeling and Control.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -41,49 +41,72 @@ class TreeForm:
 
 @lru_cache(maxsize=32)
 def tree_form(
-    joints: tuple[Joint, ...], gravity: float, across: tuple[int, ...] = (), moving: bool = False, turning: bool = False
+    joints: tuple[Joint, ...],
+    gravity: float,
+    across: tuple[int, ...] = (),
+    moving: bool = False,
+    turning: bool = False,
+    lengths: tuple[int, ...] = (),
 ) -> TreeForm:
     """Derive the regressor of a tree whose lengths (m) and gravity (m/s²) are numbers.
 
     `across` are links with one more column, for a mass beside their axis. Where the base is `moving`, what pulls
-    forwards and upwards is `g_x` and `g_z` (m/s², gravity included); where it is `turning`, its angle is `base`.
+    forwards and upwards is `g_x` and `g_z` (m/s², gravity included); where it is `turning`, its angle is `base`. The
+    lengths of the links `lengths` are symbols, `length1` that of the first one.
     """
     from sympy import Matrix
 
     parameters = base_parameters(joints, gravity, turning)
-    tree = _Tree(joints, gravity, moving, turning)
+    tree = _Tree(joints, gravity, moving, turning, lengths)
     columns = [Matrix(tree.column(parameter.link, parameter.kind)) for parameter in parameters]
     columns += [Matrix(tree.column(link, ACROSS)) for link in across]
     return TreeForm(parameters, Matrix.hstack(*columns) if columns else Matrix(len(joints), 0, []))
 
 
-def tree_changes(mechanism: Mechanism) -> tuple[list[Expr], dict[int, Expr], tuple[Expr, Expr]]:
-    """Return what effects changed about a machine: offsets of its joints (J,), {link: mass times distance from its
-    axis}, and the pull forwards and downwards, gravity included. EffectError for any other change.
+@dataclass(frozen=True)
+class TreeChanges:
+    """What effects changed about a machine: the `offset` of its joints (J,), {link: mass times distance from its axis}
+    and {link: another length}, and the `pull` forwards and downwards, gravity included.
     """
+
+    offset: tuple[Expr, ...]
+    moments: Mapping[int, Expr]
+    lengths: Mapping[int, Expr]
+    pull: tuple[Expr, Expr]
+
+
+def tree_changes(mechanism: Mechanism) -> TreeChanges:
+    """Return what effects changed about a machine; EffectError for a change that base parameters do not know."""
     from sympy import cos, sin
 
     plain = machine(mechanism.joints)
     for link, before in zip(mechanism.links, plain.links, strict=True):
-        if replace(link, across=before.across) != before:
+        if replace(link, across=before.across, length=before.length) != before:
             raise EffectError(
                 f"the inertia of link {link.name} cannot be changed where there are base parameters alone",
                 where="derive()",
-                remedy="change across, joint_offset, tilt or base_acceleration, or return torques",
+                remedy="change length, across, joint_offset, tilt or base_acceleration, or return torques",
             )
     moments = {k: link.across * link.mass for k, link in enumerate(mechanism.links) if link.across != 0}
+    pairs = enumerate(zip(mechanism.links, plain.links, strict=True))
+    lengths = {k: link.length for k, (link, before) in pairs if link.length != before.length}
     forward, upward = mechanism.base_acceleration
     pull = mechanism.gravity * sin(mechanism.tilt) + forward, mechanism.gravity * cos(mechanism.tilt) + upward
-    return list(mechanism.joint_offset), moments, pull
+    return TreeChanges(mechanism.joint_offset, moments, lengths, pull)
 
 
 class _Tree:
     """Angles, rates and origins of the links, and energies per unit parameter."""
 
-    def __init__(self, joints: Sequence[Joint], gravity: float, moving: bool, turning: bool) -> None:
+    def __init__(
+        self, joints: Sequence[Joint], gravity: float, moving: bool, turning: bool, lengths: Sequence[int]
+    ) -> None:
         from sympy import Float, Integer
 
         self.joints = joints
+        self.length = [
+            real(f"length{k + 1}") if k in lengths else Float(joint.length or 0.0) for k, joint in enumerate(joints)
+        ]
         self.pull: tuple[Expr, Expr] = (Integer(0), Float(gravity) if gravity else Integer(0))
         if moving:
             self.pull = real("g_x"), real("g_z")
@@ -147,7 +170,7 @@ class _Tree:
 
     def _origin(self, link: int) -> list[tuple[int, Any, Any, Any]]:
         """Return (link j, c_j, speed along e_j, speed along n_j) of the pieces of the way to a link's origin."""
-        from sympy import Float, Integer
+        from sympy import Integer
 
         pieces = []
         path = ancestors(self.joints, link)
@@ -156,6 +179,5 @@ class _Tree:
             if not joint.turns:
                 pieces.append((k, self.q[k], self.dq[k], self.q[k] * self.rate[k]))
             if k != link:
-                length = Float(joint.length)
-                pieces.append((k, length, Integer(0), length * self.rate[k]))
+                pieces.append((k, self.length[k], Integer(0), self.length[k] * self.rate[k]))
         return pieces

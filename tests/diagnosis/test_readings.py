@@ -7,14 +7,16 @@ from dataclasses import replace
 import pytest
 
 from exoid.diagnosis.discover import discover, in_words
-from exoid.diagnosis.readings import is_reading, thigh_length
+from exoid.diagnosis.readings import is_reading, readings_of, thigh_length
 from exoid.diagnosis.results import Accepted
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.symbolic.catalogue import find_effect
-from exoid.symbolic.model import Model
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Limits, Model
 
 LENGTH = 0.40
+CHAIN = (Joint("boom", length=0.5), Joint("arm", length=0.4), Joint("hand"))
 
 
 def runs(*hidden):
@@ -43,13 +45,34 @@ def test_the_right_length_is_not_doubted_and_no_reading_is_listed_among_effects(
     assert not any(is_reading(one.name) for one in (*found.suspects, *found.possible))
 
 
+def chain(*lengths):
+    joints = tuple(replace(joint, length=length) for joint, length in zip(CHAIN, (*lengths, None), strict=True))
+    limits = {joint.name: Limits((-0.8, 0.8), 2.0, 8.0) for joint in joints}
+    return Model("chain", limits=limits, joints=joints)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "wrong"), [((0.62, 0.4), "boom"), pytest.param((0.5, 0.3), "arm", marks=pytest.mark.slow)]
+)
+def test_a_wrong_length_of_a_chain_is_told_and_no_effect_in_its_place(lengths, wrong):
+    true = chain(0.5, 0.4)
+    made = [run.recording for run in simulate_runs(4, true, seed=6)]
+    found = discover(chain(*lengths), made[:3], made[3:])
+    assert found.verdict == "check_channels" and not found.accepted
+    assert f"length of link {wrong} contradicts the recordings" in found.sentence
+    told = float(found.next_experiment.partition("length = ")[2].split()[0])
+    assert told == pytest.approx({"boom": 0.5, "arm": 0.4}[wrong], rel=0.06)
+
+
 def test_machines_without_a_length_to_tell_are_not_asked_for_one():
     from types import SimpleNamespace
 
     nothing = SimpleNamespace(misread=(), train=())
-    assert thigh_length.asked(Model.standard(), nothing)
-    assert not thigh_length.asked(Model(joints=["axis"]), nothing)
-    assert not thigh_length.asked(Model.standard(), SimpleNamespace(misread=("swapped",), train=()))
+    misread = SimpleNamespace(misread=("swapped",), train=())
+    assert readings_of(Model.standard(), nothing) == (thigh_length.EFFECT,)
+    assert [one.joints for one in readings_of(Model(joints=CHAIN), nothing)] == [("boom", "arm")]
+    assert not readings_of(Model(joints=["axis"]), nothing)
+    assert not readings_of(Model.standard(), misread) and not readings_of(Model(joints=CHAIN), misread)
 
 
 def test_a_reading_that_cannot_be_told_apart_is_named_in_words():
