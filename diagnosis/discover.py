@@ -93,7 +93,7 @@ def answer_of(
         return _without(of_others, base, odd)
     whole = _answer(question, base, recordings, verify, _part(tick, 0.5, 1.0), found, began)
     nearest = max((one.explained_share for one in whole.possible), default=0.0)
-    if not odd or whole.accepted or of_others.verdict != "adequate" or nearest > question.rules.nearest:
+    if not odd or whole.accepted or of_others.verdict != "adequate" or nearest > question.rules.worth_telling:
         return whole  # an effect that these alone show is one of the machine
     return _without(of_others, base, odd)
 

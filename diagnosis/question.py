@@ -130,7 +130,7 @@ def _before_any_search(base: FittedModel, rules: Rules, best: Callable[[], float
     doubt = doubts_before(base, rules, best)
     if doubt is not None:
         return doubted(doubt)
-    if np.all(base.evaluation_rms <= rules.filter_error * base.prepared.filter_error):
+    if np.all(base.evaluation_rms <= rules.artefact * base.prepared.filter_error):
         return within_filter_error(base)
     return None
 

@@ -21,7 +21,7 @@ MEANINGS: Mapping[str, str] = MappingProxyType(
     {
         VERY: f"at most {1000 * RARE:g} placebos in 1000 do as well (the same effect, shifted in time), at least "
         f"{100 * AGREEING:.0f} % of the splits of the recordings agree, and nothing else does as well on them",
-        FAIRLY: f"more than chance (at most {100 * RULES.false_discovery_rate:.0f} % of such findings are), and enough "
+        FAIRLY: f"more than chance (at most {100 * RULES.level:.0f} % of such findings are), and enough "
         "splits of the recordings agree or there are too few recordings to split",
         UNSURE: "chance does as well, or the splits of the recordings disagree, or another effect does as well on them",
     }
@@ -50,7 +50,7 @@ def sureness(
     does as well.
     """
     agreement = agreement or Agreement()
-    if doubted or p is None or p > rules.false_discovery_rate or not agreement.enough(rules):
+    if doubted or p is None or p > rules.level or not agreement.enough(rules):
         return UNSURE
     share = agreement.share
     return VERY if p <= RARE and share is not None and share >= AGREEING else FAIRLY

@@ -199,7 +199,7 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     floor = np.maximum(sensor_noise(last.prepared), 1e-6)
     times = last.train_rms / floor
     j = index_of_greatest(times)
-    told = max((one.explained_share for one in possible), default=0.0) >= rules.nearest
+    told = max((one.explained_share for one in possible), default=0.0) >= rules.worth_telling
     unseen = last.evaluation_rms[j] > rules.near_noise * floor[j]
     if not last.verified or not told or unseen or times[j] <= rules.near_noise:
         return ""
@@ -300,7 +300,7 @@ def _nearest(possible: Sequence[Possible], rules: Rules, find: Callable[[str], E
     if not possible:
         return ""
     best = least_of(possible, lambda one: -one.explained_share, 1.0)
-    if best.explained_share < rules.nearest:
+    if best.explained_share < rules.worth_telling:
         return ""
     share = f"{100 * best.explained_share:.0f} % of the error"
     return f" Nearest in the catalogue: {called(best.name, find)}, {share}; {best.reason}."

@@ -120,7 +120,7 @@ class BeforeAfter:
         self.questions = questions(now, [block.columns for block in whole.blocks], self.before, extra)
         changes = sum(isinstance(c, Asked) and not c.always for c in self.questions.candidates)
         # Enough that one alone among so many can be significant.
-        least = math.ceil(changes / rules.false_discovery_rate)
+        least = math.ceil(changes / rules.level)
         self.rules = replace(rules, placebos=max(rules.placebos, least))
         self.evidence = replace_blocks(whole, whole.blocks, seed, self.rules)
 
@@ -146,20 +146,20 @@ class BeforeAfter:
         good = [s for s in changes if s.significant]
         if any(not g.asked.always for g in granted):
             # Most often one thing changes: a second one has to be significant among all by itself.
-            strict = self.rules.false_discovery_rate / len(changes)
+            strict = self.rules.level / len(changes)
             good = [s for s in good if s.p_value is not None and s.p_value <= strict]
         if granted and not good:
             return None
         # An error that was there all along has to show nothing but that it explains as much: where something leads,
         # only what comes near it can.
-        least = self.rules.close * changes[0].share if good and changes else 0.0
+        least = self.rules.half * changes[0].share if good and changes else 0.0
         scores = _by_share([*changes, *self._old(evidence, [s for s in changes if s.share >= least])])
         if not good:
             errors = [s for s in scores if s.eligible and _asked(s).always and s.share >= OLD_ERROR]
             self.old = tuple(_asked(s).label for s in errors[:1])
             return None
         lead = good[0]
-        near = [s for s in scores if s.eligible and s is not lead and s.share >= self.rules.close * lead.share]
+        near = [s for s in scores if s.eligible and s is not lead and s.share >= self.rules.half * lead.share]
         pairs = [(s, self._at(s)) for s in near]
         lags = look_alikes(evidence, (lead, self._at(lead)), pairs)
         alike = [s for s in near if s.name in lags]
@@ -202,7 +202,7 @@ class BeforeAfter:
         for score in [s for s in changes if s.eligible][: self.rules.placebo_for]:
             columns = self.questions.columns(score.candidate, self.now)
             changes[changes.index(score)] = placebo(evidence, score, columns)
-        return mark_significant(changes, self.rules.false_discovery_rate)
+        return mark_significant(changes, self.rules.level)
 
     def _old(self, evidence: Evidence, changes: Sequence[Score]) -> list[Score]:
         """Return what each of `changes` would be as an error that was there all along."""

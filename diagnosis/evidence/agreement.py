@@ -30,9 +30,9 @@ class Agreement:
 
     def enough(self, rules: Rules) -> bool:
         """Whether so many splits agree that the term may be accepted; without splits nothing speaks against it."""
-        return self.share is None or self.share >= rules.least_splits
+        return self.share is None or self.share >= rules.most
 
     def repeats(self, rules: Rules) -> bool:
         """Whether nearly all splits of many recordings agree: so many do not by chance, whichever are held out."""
         many = self.recordings >= rules.many_recordings
-        return many and self.accepted >= rules.nearly_all * self.splits
+        return many and self.accepted >= rules.most * self.splits

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.rules import RULES
 from exoid.ground.errors import NotEnoughDataError
 from exoid.ground.plain import AsJson
-from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
@@ -25,14 +25,10 @@ from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.motion import Float
 
-SHARE = Threshold(0.05, "part of a torque's variance left of a recording that is apart: other payloads are still told")
-TIMES = Threshold(3.0, "times the error of any other recording: a motion in which an effect is large is left out")
 OTHERS = 3
 """Recordings that must agree with each other, at least."""
 MOST = 1 / 3
 """Part of the recordings that may be apart: beyond, nobody knows which of them are right."""
-OWN = 0.25
-"""Part of the squared error that a fit of its own leaves, up to which it is told as another machine."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +93,7 @@ def _why(base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, e
     except NotEnoughDataError:
         return Apart(one.name, text)
     own = _shares(fitted_model(alone, replace(base.prepared, train=(one,), verify=())))[0]
-    if np.nansum(own) > OWN * np.nansum(shares):
+    if np.nansum(own) > RULES.little * np.nansum(shares):
         return Apart(one.name, f"{text}, and fitted alone it is not explained either: look at its columns and sensors")
     moved = ", ".join(moved_numbers(found, alone)[:4])
     numbers = f" ({moved})" if moved else ""
@@ -133,7 +129,7 @@ def _is_of(finding: Finding, name: str) -> bool:
 def _plain(own: Float, others: Float) -> NDArray[np.bool_]:
     """Return at which joints (J,) far more is left of one recording, `own`, than of any other, `others`."""
     known = np.nan_to_num(own)
-    return np.asarray((known > SHARE) & (known > TIMES**2 * others))
+    return np.asarray((known > RULES.worth_telling) & (known > RULES.near_noise**2 * others))
 
 
 def _power(base: FittedModel) -> Float:

@@ -142,7 +142,7 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
         )
         if tau.size and tau.var() > 0.0:
             rest = np.var(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
-            if rest > rules.by_angle * tau.var() or np.mean(residual**2) < 0.5 * rest:
+            if rest > rules.negligible * tau.var() or np.mean(residual**2) < 0.5 * rest:
                 return None
             left.append(rest / tau.var())
     if not left:
@@ -219,7 +219,7 @@ def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doub
     One that leaves next to the noise, with numbers that are possible, has not: a strong spring is no wrong channel.
     """
     share, wrong = left_share(base), _impossible(base)
-    if not np.nanmax(share, initial=0.0) > rules.base_share or not wrong:
+    if not np.nanmax(share, initial=0.0) > rules.half or not wrong:
         return None
     if not _impossible(last) and np.all(last.evaluation_rms <= rules.near_noise * last.prepared.noise_floor):
         return None
@@ -253,11 +253,11 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     if not known.any():
         return None
     worse = unseen[known] / last.train_rms[known]
-    if worse.max() < rules.another_machine or worse.min() < 2.0:
+    if worse.max() < rules.near_noise or worse.min() < 2.0:
         return None
     swapped: Prepared = replace(last.prepared, train=last.prepared.verify, verify=())
     alone = fitted_model(identify(last.model, swapped.train, optimisers=()), swapped)
-    if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.own_machine:
+    if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.little:
         return None
     moved = moved_numbers(last.fit, alone.fit)
     if not moved:  # a few seconds that both fit well, and neither knows the numbers: nothing says they differ

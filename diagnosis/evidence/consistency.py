@@ -103,8 +103,8 @@ def differing(now: FittedModel, evidence: Evidence) -> tuple[Differing, ...]:
                     continue
                 change, half, share, moved = answer
                 others = question.value + (0.0 if question.index is None else moved[question.index])
-                small = question.index is not None and abs(change) < rules.differing_change * abs(others)
-                matters = share >= rules.differing_share and abs(change) > strict * half and not small
+                small = question.index is not None and abs(change) < rules.little * abs(others)
+                matters = share >= rules.worth_telling and abs(change) > strict * half and not small
                 if matters and (found is None or share > found[0].share):
                     text = question.name, others + change, others, strict * half, question.unit, share
                     found = Differing(one.name, *text), number, question
@@ -157,11 +157,11 @@ class _Pooled:
         rest[number] = rest[number] + own
         power = self._sum(rest, rest)
         loss = float(np.sum(weight * self.left[number] ** 2))
-        if loss <= 0.0 or power <= self.rules.differing_new * float(np.sum(weight * own * own)):
+        if loss <= 0.0 or power <= self.rules.negligible * float(np.sum(weight * own * own)):
             return None
         change = self._sum(rest, self.left) / power
         share = change**2 * power / loss
-        if share < self.rules.differing_share:
+        if share < self.rules.worth_telling:
             return change, np.inf, share, -lean * change
         score = np.concatenate(
             [np.sum(w * x * (r - change * x), axis=0) for w, x, r in zip(self.weights, rest, self.left, strict=True)]

@@ -129,7 +129,7 @@ class FittedModel:
         ]
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
-        prior = np.concatenate([free, (rules.hold * self.slack) ** -2.0])
+        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0])
         return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior, rules=rules)
 
     def block_of(self, one: PreparedRecording) -> RecordingEvidence:

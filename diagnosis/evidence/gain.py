@@ -30,6 +30,8 @@ ROUNDING = 0.01
 """Part of a gain by which ridges, which differ from split to split, may bend what a fit leaves room for."""
 RIDGE = 1e-9
 """Relative ridge of a candidate, for columns that depend on each other: far below what one must have of its own."""
+LEAST_SCALE = 0.3
+"""Scale of a column for the ridge, of the largest, at least: one that is hardly seen would escape the ridge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -373,7 +375,7 @@ class Evidence:
 
     def ridge(self, ridge: float | None = None) -> tuple[float, float]:
         """Return the relative ridge and the least scale it is relative to."""
-        return RIDGE if ridge is None else ridge, self.rules.least_scale
+        return RIDGE if ridge is None else ridge, LEAST_SCALE
 
     def fitted(self, grams: Gram, ridge: float | None = None) -> tuple[Float, Float]:
         """Return a candidate's coefficients (m,) and the step (P,) of the model's own numbers, both fitted to all

@@ -120,7 +120,7 @@ def gains_beside(
     """Whether `rival` keeps enough of its gain beside the best one to be another effect."""
     together = stacked([best[1], columns], len(evidence.sigma))
     share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
-    return share - best[0].share > evidence.rules.another * rival.share
+    return share - best[0].share > evidence.rules.half * rival.share
 
 
 def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:

@@ -120,7 +120,7 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
     before, after = last.evaluation_rms, pooled_rms(found.left[judged], last.prepared.all[judged])
     whole, left = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
-    if left > (1.0 - rules.leading) * whole:
+    if left > (1.0 - rules.half) * whole:
         return None
     wide = _within(swing.hertz, step, ASIDE * count)
     known |= {f: _read(last, blocks, candidate, f).known for f in map(float, wide) if f not in known}

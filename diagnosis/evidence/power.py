@@ -17,7 +17,6 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
-from exoid.diagnosis.evidence.score import UNSEEN
 from exoid.diagnosis.evidence.simulated import Simulated, evidence_on, needed_beyond_noise
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import index_of_least
@@ -101,7 +100,7 @@ def _power(
     wanted = max(needed / (1.0 - min(needed, MOST)) * loss, _by_chance(evidence, columns, node))
     parts = [(wanted, falls[most])]
     if evidence.unseen_loss:
-        parts.append((UNSEEN * least * evidence.unseen_loss, unseen[most]))
+        parts.append((evidence.rules.half * least * evidence.unseen_loss, unseen[most]))
     with np.errstate(divide="ignore"):
         times = max(float(np.sqrt(np.divide(need, gain))) if gain > 0.0 else np.inf for need, gain in parts)
     term = candidate.term

@@ -52,8 +52,8 @@ class BetterCurve:
         """
         rules, alone = self.parts[0].evidence.rules, _share(self.parts, term)
         if all(np.ptp(one.values, axis=2).max() < CONSTANT * np.abs(one.values).max() for one in term):
-            return rules.least_share <= alone < rules.near * self.share
-        return self.leaves(term) < rules.superseded * alone
+            return rules.least_share <= alone < rules.most * self.share
+        return self.leaves(term) < rules.half * alone
 
 
 def beaten(
@@ -82,10 +82,10 @@ def beaten(
                 return None
             share = _share(parts, splines.columns, rules.curve_ridge)
             curve = BetterCurve(splines.columns, tuple(parts), rules.curve_ridge, share)
-            if mine >= rules.spared * curve.share:
+            if mine >= rules.most * curve.share:
                 return None
             lead = losses - _blocks(parts, splines.columns, rules.curve_ridge)
-            clear = lead.sum() >= rules.beaten * np.sqrt(np.sum((lead - lead.mean()) ** 2))
+            clear = lead.sum() >= rules.clear * np.sqrt(np.sum((lead - lead.mean()) ** 2))
             return curve if clear and curve.supersedes(term) else None
 
         tried = (pair for pair in tried_curves(now.model.joints) if not own or may_move(*pair))
@@ -103,7 +103,7 @@ def beaten(
             score, refined = refine(evidence, score, now)
             best = tuple(refined)
         bump = BetterCurve(best, common, None, score.share)
-        least = rules.practically if several else 1.0 / rules.spared
+        least = rules.practically if several else 1.0 / rules.most
         return bump if score.share > least * alone and bump.supersedes(term) else None
 
     contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint) if candidate.numbers < numbers]

@@ -41,7 +41,7 @@ def rank(
     promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
     tested = with_chance(evidence, promising, columns, lambda done, text: tick(0.6 + 0.4 * done, text))
     known = {s.name: s for s in tested}
-    return mark_significant([known.get(s.name, s) for s in scores], evidence.rules.false_discovery_rate)
+    return mark_significant([known.get(s.name, s) for s in scores], evidence.rules.level)
 
 
 def weigh_all(

@@ -155,8 +155,8 @@ def remainders(
             one = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **{**answer, **arrays})
             found.append(one)
     # A curve of its own for each recording must earn that freedom.
-    found = ascending(found, lambda one: -one.share * (evidence.rules.own_handicap if one.own else 1.0), 1.0)
-    telling = [k for k, one in enumerate(found[:placebos]) if one.share >= evidence.rules.curve_share]
+    found = ascending(found, lambda one: -one.share * (evidence.rules.most if one.own else 1.0), 1.0)
+    telling = [k for k, one in enumerate(found[:placebos]) if one.share >= evidence.rules.least_share]
 
     def chance(k: int) -> float:
         one = found[k]
@@ -251,8 +251,8 @@ def _p_value(parts: Sequence[CurveData], columns: Sequence[Columns], share: floa
 
 def significant(one: Remainder, rules: Rules = RULES) -> bool:
     """Whether a remainder is certain enough to be reported as structure that nobody explains."""
-    fresh = one.unseen >= 0.5 * rules.curve_share
-    return one.p_value is not None and one.p_value <= rules.curve_level and one.share >= rules.curve_share and fresh
+    fresh = one.unseen >= rules.half * rules.least_share
+    return one.p_value is not None and one.p_value <= rules.strict_level and one.share >= rules.least_share and fresh
 
 
 def _curve(part: CurveData, splines: Splines) -> tuple[Float, Float]:

@@ -19,8 +19,8 @@ from exoid.ground.ties import TIED, index_of_greatest, tied
 from exoid.symbolic.effect import Coefficient, Shape
 from exoid.symbolic.motion import Float
 
-UNSEEN = 0.5
-"""Part of the least share that recordings held out must gain at least."""
+ABSORBED = 1e-6
+"""Share of a column that is new to the model, up to which the model's own parameters take it over."""
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
 AT_ONCE = 100_000
@@ -111,7 +111,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     grams, active = _looked_at(evidence, columns)
     novelty = evidence.novelty(grams)
     rules = evidence.rules
-    alive = (novelty > rules.least_novelty) & (active >= rules.least_active)
+    alive = (novelty > ABSORBED) & (active >= rules.negligible)
     if not alive.any():
         nodes = np.zeros(len(columns), dtype=int)
         blank = np.zeros(len(evidence.fold_losses))
@@ -136,7 +136,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
-    helps = share >= rules.least_share and (unseen is None or unseen >= UNSEEN * rules.least_share)
+    helps = share >= rules.least_share and (unseen is None or unseen >= rules.half * rules.least_share)
     steady = harmless(rules, gain.folds[:, 0])
     return Score(
         candidate,
@@ -178,7 +178,7 @@ def harmless(rules: Rules, gains: Float) -> bool:
     not outvote loud ones. Where splits of the recordings can tell, they decide instead.
     """
     lost, won = float(-gains[gains < 0.0].sum()), float(gains[gains > 0.0].sum())
-    return lost <= rules.harmless * won
+    return lost <= rules.little * won
 
 
 def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.ndarray:
@@ -192,7 +192,7 @@ def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.nd
     entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*candidate.term.placed_shape.values()][
         :1
     ]
-    reach = rules.tangent_reach if candidate.tangent else 1.0
+    reach = rules.artefact if candidate.tangent else 1.0
     ok = np.ones(len(coefficients), dtype=bool)
     for value, entry in zip(coefficients.T, entries, strict=True):
         if entry.min is not None:
@@ -235,7 +235,7 @@ def _share_active(evidence: Evidence, largest: Sequence[Float], whole: Float, se
     """
     peak = np.max([size.max(axis=1) for size in largest], axis=0)
     live = [np.count_nonzero(size > 1e-6 * peak[:, None], axis=1) / size.shape[1] for size in largest]
-    return np.where((peak > 0.0) & (seen >= evidence.rules.least_seen * whole), np.mean(live, axis=0), 0.0)
+    return np.where((peak > 0.0) & (seen >= evidence.rules.least_share * whole), np.mean(live, axis=0), 0.0)
 
 
 def groups_of(candidate: Candidate) -> list[np.ndarray]:

@@ -49,6 +49,6 @@ def draw_shifts(
         alike = (alike / np.maximum(alike[:1], 1e-300)).mean(axis=1)
         lag = np.arange(samples)
         allowed = (lag >= least) & (lag <= samples - least)
-        fresh = np.flatnonzero(allowed & (alike < rules.repeats))
+        fresh = np.flatnonzero(allowed & (alike < rules.half))
         out.append(rng.choice(fresh if fresh.size > 20 else np.flatnonzero(allowed), size=draws))
     return out

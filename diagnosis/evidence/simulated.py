@@ -59,7 +59,7 @@ def needed_beyond_noise(
     for fitted, theirs in simulated:
         share = weigh(theirs, single, columns_at(single, shape, fitted)).share
         gains.append(share * float(theirs.fold_losses.sum()) / loss)
-    return evidence.rules.beyond_null * max(0.0, float(np.mean(gains)))
+    return evidence.rules.artefact * max(0.0, float(np.mean(gains)))
 
 
 def _made(

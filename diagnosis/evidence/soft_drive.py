@@ -88,7 +88,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of a few seconds,
     which some compliance fits by chance.
     """
-    asked = last.evaluation_rms > rules.soft_asked * noise
+    asked = last.evaluation_rms > rules.artefact * noise
     if not _may_be(base, last, asked, rules):
         return None
     found = []
@@ -99,14 +99,14 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             if one is None:
                 continue
             before = last.evaluation_rms
-            falls = (one.after**2 <= rules.soft_left * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
+            falls = (one.after**2 <= rules.half * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
             others = np.arange(len(before)) != joint
             share = _share_left(one.after[asked], before[asked], noise[asked])
             one = replace(one, before=before, asked=asked, share=share, sure=bool(falls[others].all()))
             beside = fitted is base and one.name in added and len(added) > 1
             # What explains unseen motion better than the motion it was fitted to does so by chance.
             left = max(share, _share_left(one.fitted[asked], last.train_rms[asked], noise[asked]))
-            if left <= (rules.soft_beside if beside else rules.soft_left) and np.all(
+            if left <= (rules.most if beside else rules.half) and np.all(
                 one.after <= one.before * (1.0 + ~asked)
             ):
                 found.append(one)
@@ -115,7 +115,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
 
 def seek_later(base: FittedModel, noise: Float, rules: Rules = RULES) -> None:
     """Let soft drives behind `base` be sought with the work that is shared out next, where `plainly_soft` will ask."""
-    if base not in _BEST and _may_be(base, base, base.evaluation_rms > rules.soft_asked * noise, rules):
+    if base not in _BEST and _may_be(base, base, base.evaluation_rms > rules.artefact * noise, rules):
         _seek(base, postpone)
 
 
@@ -136,12 +136,12 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
     if one is None or not one.sure:
         return None
     own = base.model.joint_names.index(one.joint)
-    if one.after[own] ** 2 > rules.soft_left * base.evaluation_rms[own] ** 2:
+    if one.after[own] ** 2 > rules.half * base.evaluation_rms[own] ** 2:
         return None
     model = base.model.with_effect(find_effect(ENTRY), one.joint)
     entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).evaluation_rms
     left = _share_left(one.after[one.asked], entry[one.asked], noise[one.asked])
-    return one if left <= rules.soft_plain else None
+    return one if left <= rules.little else None
 
 
 def _share_left(after: Float, before: Float, noise: Float) -> float:

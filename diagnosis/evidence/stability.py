@@ -130,9 +130,9 @@ class Splits:
         if not rows.size:
             return Agreement(0, 0)
         gain, expected, seen = rows.T
-        least = self.rules.split_shows
+        least = self.rules.little
         tells = (expected >= least * expected.mean()) & (seen >= least * seen.mean()) & (expected > 0.0)
-        agrees = gain >= np.maximum(self.rules.split_keeps * expected, 0.0)
+        agrees = gain >= np.maximum(self.rules.little * expected, 0.0)
         order = order_of(gain)
         worst = [k for k in order[:MOST_AGAINST] if tells[k] and gain[k] < 0.0]
         against = tuple(dict.fromkeys(r for k in worst for r in self.held_out[k]))

@@ -31,14 +31,14 @@ FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
 def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
     """Return whether a torque is late, early, or behind a slow filter, by more than a drive can be."""
     share = left_share(base)
-    if not np.nanmax(share, initial=0.0) > rules.late_least or np.all(
+    if not np.nanmax(share, initial=0.0) > rules.least_share or np.all(
         base.evaluation_rms < 3.0 * base.prepared.noise_floor
     ):
         return None
     readings, joints = _Readings(base), np.isfinite(share)
     found = readings.best(joints, rules)
     if found is None and joints.sum() > 1:  # the channel of one joint alone
-        late = np.flatnonzero(joints & (np.nan_to_num(share) > rules.late_least))
+        late = np.flatnonzero(joints & (np.nan_to_num(share) > rules.least_share))
         alone = (readings.best(np.arange(len(share)) == joint, rules) for joint in late)
         found = next((one for one in alone if one is not None), None)
     if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
@@ -121,9 +121,9 @@ def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) ->
         return least_of(finer, lambda one: one.share, 1.0)
 
     delay, lag = least("delay"), least("lag")
-    if lag.share > rules.as_late * delay.share or 1.0 - lag.share < rules.close * (1.0 - delay.share):
+    if lag.share > delay.share / rules.most or 1.0 - lag.share < rules.half * (1.0 - delay.share):
         return None
-    sure = lag.share <= rules.filtered * min(delay.share, 1.0)
+    sure = lag.share <= rules.most * min(delay.share, 1.0)
     doubt = _wrong_timing(without, lag, int(seen.sum())) if sure else None
     return FilterOnTorque(1.0 / (2.0 * np.pi * lag.value), doubt)
 
@@ -195,7 +195,7 @@ class _Readings:
         """
         if not self.now[which].sum() > 0.0:
             return None
-        most = rules.late_gain * self.now[which].sum()
+        most = rules.little * self.now[which].sum()
         fine: list[tuple[str, float]] = []
         for kind, tried in self.coarse.items():
             place = list(tried)[index_of_least([left[which].sum() for left in tried.values()])]
@@ -204,7 +204,7 @@ class _Readings:
         if not fine:
             return None
         least, kind, value, alike = min(
-            (float(left[which].sum()), *one, bool(np.all(left[which] <= 2.0 * rules.late_gain * self.now[which])))
+            (float(left[which].sum()), *one, bool(np.all(left[which] <= 2.0 * rules.little * self.now[which])))
             for one, left in zip(fine, self._each(fine, which), strict=True)
         )
         return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None

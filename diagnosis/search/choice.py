@@ -15,7 +15,7 @@ from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import look_alikes
-from exoid.diagnosis.evidence.score import UNSEEN, Score
+from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
 from exoid.diagnosis.search.context import SearchContext
@@ -45,7 +45,7 @@ def choose(
         out = banned | failed
         # That something is missing is certain, the question is what; whatever is chosen must beat its own placebos too.
         rivals = [s for s in scores if s.eligible and s.name not in out and s is not good[0]]
-        wanted = [good[0], *(s for s in rivals if s.share >= context.rules.close * good[0].share)]
+        wanted = [good[0], *(s for s in rivals if s.share >= context.rules.half * good[0].share)]
         near, alike = shortlist(context, extension, evidence, wanted)
         found = refitted(context, extension, evidence, near, alike)
         chosen = near[0]
@@ -65,7 +65,7 @@ def shortlist(
     # Of two with the same torque the plainer comes first.
     refined = ascending(sorted(refined, key=lambda pair: _plainness(pair[0])), lambda pair: -pair[0].share, 1.0)
     alike = look_alikes(evidence, refined[0], refined[1:])
-    least = context.rules.near * refined[0][0].share
+    least = context.rules.most * refined[0][0].share
     return [p[0] for p in refined if p[0].name in alike or p[0].share >= least], alike
 
 
@@ -95,7 +95,7 @@ def refitted(
         than `little` of what is left.
         """
         known = rival.name in losses and than.name in losses
-        chance = NormalDist().inv_cdf(1.0 - rules.false_discovery_rate)
+        chance = NormalDist().inv_cdf(1.0 - rules.level)
         tied = not known or lag(losses[than.name], losses[rival.name]) < chance
         more = np.sum(losses[than.name]) - np.sum(losses[rival.name]) if known else 0.0
         spare = tied or bool(more < little * np.sum(losses[than.name]))
@@ -149,7 +149,7 @@ def _refits(
     helping = [
         (score, found)
         for score, found in refits
-        if (context.unseen_gain(extension, found) >= UNSEEN * rules.least_share or extension.outvotes(found, rules))
+        if (context.unseen_gain(extension, found) >= rules.half * rules.least_share or extension.outvotes(found, rules))
         and not context.doubt(extension, found)
     ]
     return helping, elsewhere

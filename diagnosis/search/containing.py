@@ -98,11 +98,11 @@ def contains(
     limit: float | None = None,
 ) -> bool:
     """Whether a rival can be all that a plainer candidate is here: beside the present model it makes the torque of that
-    one, exactly or, at a limit of its shape, but for `limit` (default `contained`) of what is new in it.
+    one, exactly or, at a limit of its shape, but for `limit` (default `negligible`) of what is new in it.
 
     Two effects that merely resemble each other on this motion do not contain each other.
     """
-    limit = evidence.rules.contained if limit is None else limit
+    limit = evidence.rules.negligible if limit is None else limit
     rival = context.library.find(rival.name)  # with all its nodes, also where one of them was refined
     (first, beside), columns = _beside(evidence), context.library.columns(rival, extension.fitted)
     wanted, numbers = context.columns_of(plain, extension.fitted), np.asarray(plain.coefficients)

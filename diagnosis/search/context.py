@@ -160,12 +160,12 @@ class SearchContext:
         """Let the sway of the base be weighed with a phase of its own in every recording, where that is no chance."""
         names = {one.name for one in self.library.candidates}
         sway = own_sway(extension.fitted, self.noise(extension), self.rules) if SWAY in names else None
-        if sway is not None and sway.p_value <= self.rules.false_discovery_rate / len(names):
+        if sway is not None and sway.p_value <= self.rules.level / len(names):
             self.library.narrow(SWAY, sway.nodes)
 
     def _draws(self) -> int:
         """Return how many placebos a candidate gets: enough that one among so many candidates can be significant."""
-        wanted = RESOLUTION * len(self.library.candidates) / self.rules.false_discovery_rate
+        wanted = RESOLUTION * len(self.library.candidates) / self.rules.level
         return max(self.rules.placebos, math.ceil(wanted))
 
     def weighed(self, extension: Extension, evidence: Evidence, candidate: Candidate) -> Score:
@@ -228,7 +228,7 @@ class SearchContext:
 
     def sure(self, score: Score) -> bool:
         """Whether an accepted term that was tested anew beside the others may stay."""
-        return score.helps and score.p_value is not None and score.p_value <= self.rules.sure
+        return score.helps and score.p_value is not None and score.p_value <= self.rules.strict_level
 
     def refined(self, evidence: Evidence, extension: Extension, score: Score) -> tuple[Score, list[Columns]]:
         """Return the score at shape values between the nodes, and the columns there."""

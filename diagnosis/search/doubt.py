@@ -71,7 +71,7 @@ def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
         if entry.term != name or shape.choices or shape.per_recording:
             continue
         unit = to_unit(shape, float(value))
-        if min(1.0 if shape.sharp else unit, 1.0 - unit) < rules.at_bound:
+        if min(1.0 if shape.sharp else unit, 1.0 - unit) < rules.negligible:
             side, limit = ("lowest", shape.min) if unit < 0.5 else ("highest", shape.max)
             return (
                 f"{entry.name} = {value:.3g} {shape.unit} is the {side} value this effect can have ({limit:g}): "
@@ -81,7 +81,7 @@ def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
         if entry.term != name or not entry.shape.per_recording or entry.shape.spacing == "position":
             continue
         own = [to_unit(entry.shape, float(value)) for value in fitted.shapes[:, k]]
-        if all(min(unit, 1.0 - unit) < rules.at_bound for unit in own):
+        if all(min(unit, 1.0 - unit) < rules.negligible for unit in own):
             return f"{entry.name} is at a limit of what this effect can be in every recording"
     for parameter, value in zip(fitted.model.parameters, fitted.linear, strict=True):
         if parameter.term != name:
@@ -141,7 +141,7 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     taken = np.sqrt(np.maximum(before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2, 0.0))
     if after.added is not None and after.added.repeats(rules):  # whichever recordings are held out
         taken = np.maximum(taken, np.sqrt(np.maximum(before.fitted.train_rms**2 - after.fitted.train_rms**2, 0.0)))
-    if np.any(taken > rules.filter_error * wrong) or not np.any(wrong > 0.0):
+    if np.any(taken > rules.artefact * wrong) or not np.any(wrong > 0.0):
         return ""
     j = index_of_greatest(taken / np.maximum(wrong, 1e-300))
     joint = after.fitted.model.joints[j]
@@ -166,7 +166,7 @@ def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
             gained = np.where(one.used[j], old[j] ** 2 - new[j] ** 2, 0.0)
             far = ~widen(one.stuck[:, j], int(np.ceil(BESIDE * one.rate)))[one.kept]
             everywhere, beyond = everywhere + float(gained.sum()), beyond + float(gained[far].sum())
-    if everywhere <= 0.0 or beyond > rules.beyond_standstill * everywhere:
+    if everywhere <= 0.0 or beyond > rules.little * everywhere:
         return ""
     return (
         f"explains next to nothing further than {BESIDE:g} s from where the joint stands still: friction at low speed, "
@@ -209,7 +209,7 @@ def torque_before_motion(before: Extension, after: Extension, floor: Float, rule
     whole, left = (
         float(np.sum(np.maximum(one.fitted.evaluation_rms[at] ** 2 - floor[at] ** 2, 0.0))) for one in (before, after)
     )
-    if early <= 0.0 or left <= (1.0 - rules.leading) * whole:
+    if early <= 0.0 or left <= (1.0 - rules.half) * whole:
         return ""
     return (
         f"the torque would come {early:.2g} s before the motion it belongs to, which hardly happens, and that explains "

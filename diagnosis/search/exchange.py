@@ -59,6 +59,6 @@ def _rivals(context: SearchContext, score: Score) -> list[str]:
         own = next((s.share for s in scores if s.name == score.name), 0.0)
         lead = own / max(s.share for s in scores) if scores and own > 0.0 else 0.0
         if lead > best[0]:
-            close = context.rules.close * own
+            close = context.rules.half * own
             best = lead, [s.name for s in scores if s.share >= close and s.name != score.name]
     return best[1]

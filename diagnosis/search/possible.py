@@ -40,14 +40,14 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
         if is_reading(score.name) or score.name in state.banned or score.caution or score.share < rules.least_share:
             continue
         agreement = score.agreement or Agreement()
-        if agreement.share is not None and agreement.share < rules.least_possible:
+        if agreement.share is not None and agreement.share < rules.little:
             continue
         if objection := context.doubts.get((key, score.name)):
             out.append(replace(_possible(score, agreement, objection.reason), early=objection.early))
         elif reason := _too_few(score, several):
             untested.append((score, agreement, reason))
     if untested:
-        draws = math.ceil(DRAWS_AT_LEVEL / rules.false_discovery_rate)
+        draws = math.ceil(DRAWS_AT_LEVEL / rules.level)
         evidence = context.evidence(state.last, draws=draws)
         # They needed no placebos before, since they cannot be accepted.
         some = untested[: rules.most_possible]
@@ -55,7 +55,7 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
         for tested, (score, agreement, reason) in zip(
             with_chance(evidence, [score for score, _, _ in some], columns), some, strict=True
         ):
-            if tested.p_value is not None and tested.p_value <= rules.false_discovery_rate:
+            if tested.p_value is not None and tested.p_value <= rules.level:
                 out.append(_possible(score, agreement, reason))
     return tuple(ascending(out, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 

@@ -43,7 +43,7 @@ def _of_filter(left: Remainder, extension: Extension, rules: Rules) -> bool:
     """Whether a curve explains no more than filter and derivatives get wrong at its joint."""
     j = extension.fitted.model.joint_names.index(left.joint)
     explained = np.sqrt(left.share) * extension.fitted.evaluation_rms[j]
-    return bool(explained <= rules.filter_error * extension.fitted.prepared.filter_error[j])
+    return bool(explained <= rules.artefact * extension.fitted.prepared.filter_error[j])
 
 
 def proxies(context: SearchContext, state: State, left: Remainder | None) -> frozenset[str]:

@@ -105,7 +105,7 @@ class Ranking:
                 self._scores[name] = placebo(evidence, self._scores[name], self._columns[name])
                 self.draws[name] = evidence.draws
                 yield name
-        for score in mark_significant(self.scores, self.rules.false_discovery_rate):
+        for score in mark_significant(self.scores, self.rules.level):
             self._scores[score.name] = score
         self.finished = True
 

@@ -11,6 +11,7 @@ from exoid.diagnosis import discover
 from exoid.diagnosis.evidence import apart as module
 from exoid.diagnosis.evidence.apart import apart
 from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.rules import RULES
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
@@ -74,22 +75,22 @@ def test_two_of_six_are_found_and_three_are_not(runs):
     assert len(names([turned(six[0]), stuck(six[1]), turned(six[2]), *six[3:]])) < 3
 
 
-@pytest.mark.shows("apart.SHARE")
+@pytest.mark.shows("worth_telling")
 def test_a_little_more_is_no_other_machine(monkeypatch):
     alike = [drive(k, noise=0.01) for k in range(4)]
     heavier = drive(4, numbers=NUMBERS * [1.05, 1.05, 1.0, 1.0], noise=0.01)
     assert names([*alike, heavier]) == []
-    monkeypatch.setattr(module, "SHARE", 0.0005)
+    monkeypatch.setattr(module, "RULES", replace(RULES, worth_telling=0.0005))
     assert names([*alike, heavier]) == ["run_4"]
 
 
-@pytest.mark.shows("apart.TIMES")
+@pytest.mark.shows("near_noise")
 def test_a_motion_in_which_an_effect_is_large_is_not_apart(monkeypatch):
     varied = [drive(k, quadratic=1.0) for k in range(4)]
     assert names([*varied, drive(7, quadratic=1.0)]) == []
     other = drive(7, quadratic=2.0)
     assert names([*varied, other]) == ["run_7"]
-    monkeypatch.setattr(module, "TIMES", 30.0)
+    monkeypatch.setattr(module, "RULES", replace(RULES, near_noise=30.0))
     assert names([*varied, other]) == []
 
 

@@ -6,8 +6,8 @@ from exoid.diagnosis.rules import RULES
 from exoid.symbolic.catalogue import catalogue
 
 
-@pytest.mark.shows("placebos", "false_discovery_rate")
+@pytest.mark.shows("placebos", "level")
 def test_the_placebos_are_enough_for_the_whole_catalogue():
     candidates = sum(1 if effect.on_both else len(effect.joints) for effect in catalogue().values())
     spare = 10  # entries of the user's own
-    assert 1.0 / (RULES.placebos + 1) <= RULES.false_discovery_rate / (candidates + spare)
+    assert 1.0 / (RULES.placebos + 1) <= RULES.level / (candidates + spare)

@@ -78,12 +78,12 @@ def test_noise_for_torque(good, cutoff):
     assert found is not None and "variance unexplained" in found.sentence and "--map" in found.remedy
 
 
-@pytest.mark.shows("unexplained_share", "base_share")
+@pytest.mark.shows("unexplained_share")
 def test_torque_of_another_motion(good):
     fitted = base([with_torque(one, good[(k + 1) % 3].tau) for k, one in enumerate(good)])
     assert doubts_after(fitted, fitted) is not None
     assert "do not fit a leg" in doubts_after(fitted, fitted, replace(RULES, unexplained_share=2.0)).sentence
-    assert unseen_by(fitted, unexplained_share=2.0, base_share=2.0)
+    assert unseen_by(fitted, unexplained_share=2.0, half=2.0)
 
 
 def test_a_torque_of_which_nothing_is_explained_may_be_that_of_a_joint_without_a_drive(good):
@@ -110,12 +110,12 @@ def test_one_recording_with_the_torque_of_another_motion_is_named(good):
     assert found.remedy.startswith(f"begin with {odd.name}: ")
 
 
-@pytest.mark.shows("late_least", "late_gain", "late_delay")
+@pytest.mark.shows("least_share", "little", "late_delay")
 @pytest.mark.parametrize("late", [0.3, -0.2])
 def test_torque_logged_late_or_early(good, late):
     fitted = base([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
     found = doubts_before(fitted)
-    for rule, value in (("late_least", 2.0), ("late_gain", 0.0), ("late_delay", 0.4)) if late > 0 else ():
+    for rule, value in (("least_share", 2.0), ("little", 0.0), ("late_delay", 0.4)) if late > 0 else ():
         assert doubts_before(fitted, replace(RULES, **{rule: value})) is None
     assert found is not None and ("after" if late > 0 else "before") in found.sentence
     seconds = float(found.remedy.split(" s,")[0].rsplit(" ", 1)[1])
@@ -150,16 +150,20 @@ def delayed(seconds):
     return lambda t, tau: np.column_stack([np.interp(t - seconds, t, column) for column in tau.T])
 
 
-@pytest.mark.shows("filtered", "as_late")
+@pytest.mark.shows("most")
 def test_a_fast_filter_on_the_torque_may_be_what_a_delay_stands_for():
-    pole = np.exp(-2.0 * np.pi * 8.0 / 100.0)
-    fast = base([*smooth(lambda _, tau: lfilter([1.0 - pole], [1.0, -pole], tau, axis=0, zi=pole * tau[:1])[0])])
-    found = filtered(fast, [0], replace(RULES, filtered=0.5))
+    def behind(hertz):
+        pole = np.exp(-2.0 * np.pi * hertz / 100.0)
+        one = [1.0 - pole], [1.0, -pole]
+        return base([*smooth(lambda _, tau: lfilter(*one, tau, axis=0, zi=pole * tau[:1])[0])])
+
+    fast = behind(8.0)
+    found = filtered(fast, [0])
     assert found is not None and found.doubt is None and found.hertz == pytest.approx(8.0, rel=0.2)
     assert found.name.startswith("a filter of first order on the torque (")
-    sure = filtered(fast, [0], replace(RULES, filtered=1.3))
+    sure = filtered(behind(3.0), [0])
     assert sure is not None and sure.doubt is not None and "filter of first order" in sure.doubt.sentence
-    assert filtered(fast, [0], replace(RULES, as_late=0.5)) is None
+    assert filtered(fast, [0], replace(RULES, most=2.0)) is None
     assert filtered(base([*smooth(delayed(0.03))]), [0, 1]) is None
 
 
@@ -182,12 +186,12 @@ def test_angles_too_noisy_for_accelerations(good):
     assert unseen_by(fitted, angle_noise=1.0)
 
 
-@pytest.mark.shows("another_machine", "own_machine")
+@pytest.mark.shows("near_noise", "little")
 def test_held_out_recordings_of_another_leg(good):
     other = BETA * np.array([1.4, 1.6, 1.5, 0.5, 1.3, 0.7, 1.4, 1.2])
     fitted = base(good[:2], [recording(9, beta=other)])
     found = doubts_after(fitted, fitted)
-    assert unseen_by(fitted, another_machine=1e9) and unseen_by(fitted, own_machine=0.0)
+    assert unseen_by(fitted, near_noise=1e9) and unseen_by(fitted, little=0.0)
     assert found is not None and "not of the machine" in found.sentence and "Phi1" in found.sentence
 
 
@@ -286,7 +290,7 @@ def test_real_rigs_raise_no_doubt_and_their_error_is_no_noise(shared_data, folde
         assert error is not None and error.times > 5.0
 
 
-@pytest.mark.shows("by_angle")
+@pytest.mark.shows("negligible")
 def test_a_leg_that_is_moved_by_hand_while_its_drives_carry_it_shows_nothing_but_its_weight(good):
     rng = np.random.default_rng(5)
 
@@ -298,7 +302,7 @@ def test_a_leg_that_is_moved_by_hand_while_its_drives_carry_it_shows_nothing_but
     hand = base([carried(one) for one in good])
     found = doubts_before(hand)
     assert found is not None and "follows from the angles alone" in found.sentence
-    assert doubts_before(hand, replace(RULES, by_angle=1e-9)) is None
+    assert doubts_before(hand, replace(RULES, negligible=1e-9)) is None
 
 
 def test_slow_motion_without_friction_is_not_taken_for_motion_by_hand(good):

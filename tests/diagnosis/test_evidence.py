@@ -184,7 +184,7 @@ def test_one_among_the_entries_of_a_large_machine_can_be_significant():
     for count in (56, 95, 300):
         context = SimpleNamespace(library=SimpleNamespace(candidates=[None] * count), rules=RULES)
         draws = SearchContext._draws(context)
-        assert draws >= RULES.placebos and 1 / (1 + draws) < RULES.false_discovery_rate / count
+        assert draws >= RULES.placebos and 1 / (1 + draws) < RULES.level / count
     assert SearchContext._draws(SimpleNamespace(library=SimpleNamespace(candidates=[None] * 56), rules=RULES)) == 1499
 
 

@@ -47,9 +47,9 @@ def test_a_part_of_a_curve_that_the_model_nearly_contains_is_held_back():
     assert gain.coefficients[0, 0] == pytest.approx(0.5, abs=0.05)
 
 
-@pytest.mark.shows("curve_share", "curve_level")
+@pytest.mark.shows("least_share", "strict_level")
 @pytest.mark.parametrize(
-    ("share", "p_value", "said"), [(0.025, 0.004, True), (0.015, 0.004, False), (0.025, 0.007, False)]
+    ("share", "p_value", "said"), [(0.015, 0.007, True), (0.007, 0.007, False), (0.015, 0.014, False)]
 )
 def test_a_curve_is_reported_that_explains_enough_and_is_not_chance(share, p_value, said):
     nothing = np.zeros(0)
@@ -57,7 +57,7 @@ def test_a_curve_is_reported_that_explains_enough_and_is_not_chance(share, p_val
     assert significant(one) is said
 
 
-@pytest.mark.shows("own_handicap")
+@pytest.mark.shows("most")
 @pytest.mark.parametrize(("own", "first"), [(0.55, False), (0.65, True)])
 def test_a_curve_of_its_own_for_each_recording_earns_that_freedom(own, first, bare, monkeypatch):
     """Half of what is left follows a common curve, a little more one of each recording's own."""
@@ -98,15 +98,15 @@ def contest(monkeypatch, shares, lead=0.0, numbers=1):
     return beaten(now, SimpleNamespace(rules=RULES, blocks=[None], sigma=[1.0]), "hip", [moving], numbers)
 
 
-@pytest.mark.shows("beaten", "spared", "superseded")
+@pytest.mark.shows("clear", "most", "half")
 @pytest.mark.parametrize(
     ("share", "lead", "beside", "wins"),
     [
-        (0.62, 3.5, 0.1, True),
-        (0.57, 3.5, 0.1, False),
-        (0.62, 2.5, 0.1, False),
-        (0.62, 3.5, 0.2, True),
-        (0.62, 3.5, 0.3, False),
+        (0.66, 3.0, 0.1, True),
+        (0.6, 3.0, 0.1, False),
+        (0.66, 2.0, 0.1, False),
+        (0.66, 3.0, 0.2, True),
+        (0.66, 3.0, 0.3, False),
     ],
 )
 def test_a_curve_unmasks_a_term_that_it_beats_and_that_adds_little_to_it(share, lead, beside, wins, monkeypatch):
@@ -115,16 +115,16 @@ def test_a_curve_unmasks_a_term_that_it_beats_and_that_adds_little_to_it(share, 
     assert (contest(monkeypatch, shares, lead) is not None) is wins
 
 
-@pytest.mark.shows("spared")
+@pytest.mark.shows("most")
 @pytest.mark.parametrize(
-    ("share", "numbers", "wins"), [(0.62, 2, True), (0.57, 2, False), (0.62, 1, False), (0.3, 2, False)]
+    ("share", "numbers", "wins"), [(0.66, 2, True), (0.6, 2, False), (0.66, 1, False), (0.3, 2, False)]
 )
 def test_a_bump_of_fewer_numbers_unmasks_a_term_that_explains_less_than_most_of_it(share, numbers, wins, monkeypatch):
     shares = {TERM: 0.5, BUMP: share, BOTH: share + 0.1}
     assert (contest(monkeypatch, shares, numbers=numbers) is not None) is wins
 
 
-@pytest.mark.shows("near")
+@pytest.mark.shows("most")
 @pytest.mark.parametrize(("share", "gone"), [(0.3, True), (0.45, False)])
 def test_a_curve_takes_the_place_of_a_constant_only_where_it_gains_clearly_more(share, gone, monkeypatch):
     monkeypatch.setattr(proxies, "_share", lambda parts, columns, ridge=None: share)
@@ -136,8 +136,8 @@ def test_a_curve_takes_the_place_of_a_constant_only_where_it_gains_clearly_more(
 # -- channels -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.shows("soft_beside")
-@pytest.mark.parametrize(("left", "others", "found"), [(0.85, True, True), (0.95, True, False), (0.85, False, False)])
+@pytest.mark.shows("most")
+@pytest.mark.parametrize(("left", "others", "found"), [(0.75, True, True), (0.85, True, False), (0.75, False, False)])
 def test_a_soft_drive_among_several_effects_need_not_explain_more_than_all(left, others, found, monkeypatch):
     """One soft drive alone leaves this part of what all accepted effects leave; it is one of them, or the only one."""
     names = [f"{soft_drive.ENTRY}:hip", *(["stribeck:hip"] if others else [])]

@@ -32,7 +32,7 @@ def score(name: str, share: float, numbers: int = 1, **more) -> SimpleNamespace:
     return SimpleNamespace(name=name, share=share, candidate=one, **more)
 
 
-@pytest.mark.shows("near")
+@pytest.mark.shows("most")
 def test_what_comes_near_the_best_is_refitted(monkeypatch):
     monkeypatch.setattr(choice, "look_alikes", lambda *asked: {})
     context = SimpleNamespace(rules=RULES, refined=lambda evidence, extension, one: (one, []))
@@ -40,7 +40,7 @@ def test_what_comes_near_the_best_is_refitted(monkeypatch):
     assert [one.name for one in shortlist(context, None, None, scores)[0]] == ["best", "near"]
 
 
-@pytest.mark.shows("close")
+@pytest.mark.shows("half")
 def test_what_gains_less_than_half_of_a_term_is_no_rival_of_it():
     scores = [score("term", 0.5), score("rival", 0.3), score("not", 0.2)]
     assert _rivals(SimpleNamespace(rules=RULES, ranked={(): (None, scores)}), scores[0]) == ["rival"]
@@ -96,7 +96,7 @@ def test_five_rivals_are_refitted(before, found, monkeypatch):
     assert chosen(losses, monkeypatch).added.name == found
 
 
-@pytest.mark.shows("contained")
+@pytest.mark.shows("negligible")
 @pytest.mark.parametrize(("missed", "inside"), [(1.5e-3, True), (3e-3, False)])
 def test_an_effect_contains_a_plainer_one_of_which_it_misses_next_to_nothing(missed, inside):
     """At the limit of its shape, the first of three nodes, the rival is the plainer effect but for a part."""
@@ -114,7 +114,7 @@ def test_an_effect_contains_a_plainer_one_of_which_it_misses_next_to_nothing(mis
     assert contains(context, SimpleNamespace(fitted=None), evidence, rival.candidate, plain) is inside
 
 
-@pytest.mark.shows("beyond_null")
+@pytest.mark.shows("artefact")
 @pytest.mark.parametrize(("without", "stays"), [(0.04, True), (0.05, False)])
 def test_a_term_gains_more_than_twice_what_it_gains_where_it_is_certainly_not(without, stays, monkeypatch):
     """A gain of 10 %, at least a hundredth of it beyond what recordings show that the model without it made itself."""
@@ -157,7 +157,7 @@ def test_the_search_goes_on_four_times_after_it_took_back_a_proxy(proxies, ended
     assert (engine.search_without_proxies(SimpleNamespace(rules=RULES), start).left is None) is ended
 
 
-@pytest.mark.shows("filter_error")
+@pytest.mark.shows("artefact")
 @pytest.mark.parametrize(("times", "doubted"), [(1.7, True), (2.4, False)])
 def test_a_term_takes_off_more_than_the_filter_gets_wrong(times, doubted):
     joint = SimpleNamespace(name="knee", unit=lambda kind: "N·m")

@@ -56,11 +56,11 @@ def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
     assert len(forward(replace(plain, rules=replace(plain.rules, most_terms=1)), state_with(plain)).names) == 1
 
 
-@pytest.mark.shows("sure")
+@pytest.mark.shows("strict_level")
 def test_prune_drops_what_the_later_terms_made_superfluous(plain):
     state = state_with(plain, "viscous_cubic:hip", "stribeck:hip")
     assert prune(plain, state).names == ("stribeck:hip",)
-    assert prune(with_rules(plain, sure=1.0, least_share=-1.0), state) is state
+    assert prune(with_rules(plain, strict_level=1.0, least_share=-1.0), state) is state
     assert state.names == ("viscous_cubic:hip", "stribeck:hip")
 
 

@@ -45,7 +45,7 @@ def fitted(model: Model, runs: list[Recording]) -> FittedModel:
     return fitted_model(identify(model, prepared.train, optimisers=()), prepared)
 
 
-@pytest.mark.shows("soft_asked")
+@pytest.mark.shows("artefact")
 @pytest.mark.parametrize(("joint", "compliance"), [("hip", 0.005), ("knee", 0.015)])
 def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(joint, compliance):
     base = fitted(MODEL, [behind(("hip", "knee").index(joint), compliance, k) for k in range(3)])
@@ -56,10 +56,10 @@ def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(
     assert soft_drive(base, base, base.evaluation_rms) is None  # it is not asked about noise
 
 
-@pytest.mark.shows("soft_left")
+@pytest.mark.shows("half")
 def test_how_much_better_a_soft_drive_must_be():
     base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
-    assert soft_drive(base, base, 0.1 * NOISE, replace(RULES, soft_left=1e-4)) is None
+    assert soft_drive(base, base, 0.1 * NOISE, replace(RULES, half=1e-4)) is None
 
 
 def test_a_soft_drive_explains_the_motion_it_was_fitted_to_as_well(monkeypatch):
@@ -67,14 +67,14 @@ def test_a_soft_drive_explains_the_motion_it_was_fitted_to_as_well(monkeypatch):
     found = soft_drive(base, base, NOISE)
     assert found is not None and np.all(found.fitted < base.train_rms)
     monkeypatch.setattr(soft_drives, "swinging", lambda fitted: None)
-    for left, kept in ((0.35, True), (0.45, False)):
+    for left, kept in ((0.45, True), (0.55, False)):
         rest = found.fitted / np.sqrt(left)
         last = SimpleNamespace(model=base.model, evaluation_rms=base.evaluation_rms, train_rms=rest)
         monkeypatch.setattr(soft_drives, "_best", lambda fitted, joint: found)
         assert (soft_drive(base, last, 0.01 * NOISE) is not None) is kept
 
 
-@pytest.mark.shows("soft_left")
+@pytest.mark.shows("artefact")
 def test_what_a_soft_drive_leaves_is_counted_beyond_the_noise_and_at_all_joints_together(monkeypatch):
     """At the knee it leaves two thirds of the squared error: nearly all of that is noise."""
     base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
@@ -86,7 +86,7 @@ def test_what_a_soft_drive_leaves_is_counted_beyond_the_noise_and_at_all_joints_
     for hip, kept in ((2.0, True), (1.1, False)):
         error = np.array([hip, np.sqrt(1.5) * 1.2])
         last = SimpleNamespace(model=base.model, evaluation_rms=error, train_rms=error)
-        asked = soft_drive(base, last, np.full(2, 0.99), replace(RULES, soft_asked=1.1))
+        asked = soft_drive(base, last, np.full(2, 0.99), replace(RULES, artefact=1.1, half=0.4))
         assert (asked is not None) is kept
 
 
@@ -103,12 +103,12 @@ def test_a_few_seconds_show_no_soft_drive():
     assert soft_drive(fitted(MODEL, runs), fitted(MODEL, runs), NOISE) is None
 
 
-@pytest.mark.shows("soft_plain")
+@pytest.mark.shows("little")
 def test_nothing_is_searched_for_beside_a_drive_that_is_plainly_soft():
     base = fitted(MODEL, [behind(0, 0.008, k) for k in range(3)])
     found = plainly_soft(base, NOISE)
     assert found is not None and found.joint == "hip"
-    assert plainly_soft(base, NOISE, replace(RULES, soft_plain=1e-4)) is None
+    assert plainly_soft(base, NOISE, replace(RULES, little=1e-4)) is None
     assert plainly_soft(base, base.evaluation_rms) is None
 
 

@@ -15,11 +15,11 @@ ALL, MOST, HALF = Agreement(4, 4), Agreement(17, 20), Agreement(2, 4)
 def test_very_sure_needs_rare_placebos_and_agreeing_splits():
     assert sureness(RARE, ALL) == VERY
     assert sureness(2 * RARE, ALL) == FAIRLY  # one in a few hundred by chance alone
-    assert RULES.least_splits <= 17 / 20 < AGREEING and sureness(RARE, MOST) == FAIRLY
+    assert RULES.most <= 17 / 20 < AGREEING and sureness(RARE, MOST) == FAIRLY
 
 
 def test_what_chance_or_another_does_as_well_cannot_be_told():
-    assert sureness(2 * RULES.false_discovery_rate, ALL) == UNSURE
+    assert sureness(2 * RULES.level, ALL) == UNSURE
     assert sureness(None, ALL) == UNSURE
     assert sureness(RARE, HALF) == UNSURE
     assert sureness(RARE, ALL, doubted=True) == UNSURE
