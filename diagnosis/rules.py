@@ -32,7 +32,10 @@ class Rules:
     """The standards of one diagnosis. `Rules()` are those in use; `dataclasses.replace` varies one of them."""
 
     level: float = _rule(
-        CHANCE, 0.05, "false discovery rate over the catalogue, at every step: entries named by chance"
+        CHANCE,
+        0.05,
+        "false discovery rate over the catalogue, at every step, and share of the splits of many recordings that may "
+        "disagree: entries named by chance",
     )
     strict_level: float = _rule(
         CHANCE,

@@ -35,4 +35,4 @@ class Agreement:
     def repeats(self, rules: Rules) -> bool:
         """Whether nearly all splits of many recordings agree: so many do not by chance, whichever are held out."""
         many = self.recordings >= rules.many_recordings
-        return many and self.accepted >= rules.most * self.splits
+        return many and self.accepted >= (1.0 - rules.level) * self.splits
