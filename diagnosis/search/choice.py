@@ -90,19 +90,15 @@ def refitted(
         key=lambda p: (*_plainness(p[0]), p[0].candidate.tangent),
     )
 
-    def no_more(rival: Score, than: Score, little: float = 0.0) -> bool:
-        """Whether a rival can be the plainer `than`, and what else it can be explains no more than by chance, or less
-        than `little` of what is left.
-        """
+    def no_more(rival: Score, than: Score) -> bool:
+        """Whether a rival can be the plainer `than`, and what else it can be explains no more than by chance."""
         known = rival.name in losses and than.name in losses
         chance = NormalDist().inv_cdf(1.0 - rules.level)
         tied = not known or lag(losses[than.name], losses[rival.name]) < chance
-        more = np.sum(losses[than.name]) - np.sum(losses[rival.name]) if known else 0.0
-        spare = tied or bool(more < little * np.sum(losses[than.name]))
         # With all its nodes: what was refined for each recording has its best alone.
-        return spare and contains(context, extension, evidence, context.library.find(rival.name), than)
+        return tied and contains(context, extension, evidence, context.library.find(rival.name), than)
 
-    plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0], rules.least_share)]
+    plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0])]
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
     # Of what no motion here distinguishes the plainest is told, whichever the last digits of a refit prefer.
     score, found = min([(score, found), *(p for p in tried if _same(p[0], score))], key=lambda p: _plainness(p[0]))
