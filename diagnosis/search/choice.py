@@ -42,13 +42,13 @@ def choose(
     """Return the model with the best candidate that really helps after a full refit."""
     failed: frozenset[str] = frozenset()
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
-        out = banned | failed
         # That something is missing is certain, the question is what; whatever is chosen must beat its own placebos too.
-        rivals = [s for s in scores if s.eligible and s.name not in out and s is not good[0]]
+        # What does not may resemble itself when it is shifted, as what hardly varies does: it stays a look-alike.
+        rivals = [s for s in scores if s.eligible and s.name not in banned and s is not good[0]]
         wanted = [good[0], *(s for s in rivals if s.share >= context.rules.half * good[0].share)]
         near, alike = shortlist(context, extension, evidence, wanted)
-        found = refitted(context, extension, evidence, near, alike)
-        chosen = near[0]
+        found = refitted(context, extension, evidence, near, alike, failed)
+        chosen = next(s for s in near if s.name not in failed)
         if found is not None and found.added is not None:
             chosen = found.added
             if chosen.significant or context.sure(context.tested(extension, chosen)):
@@ -70,23 +70,31 @@ def shortlist(
 
 
 def refitted(
-    context: SearchContext, extension: Extension, evidence: Evidence, rivals: Sequence[Score], alike: Collection[str]
+    context: SearchContext,
+    extension: Extension,
+    evidence: Evidence,
+    rivals: Sequence[Score],
+    alike: Collection[str],
+    failed: Collection[str] = (),
 ) -> Extension | None:
     """Return the extension with the best of `rivals` (best first), each compared after a refit of everything.
 
     Linearised and on a grid they were too close to call; those in `alike` stay look-alikes unless a refit
-    distinguishes them. None where none of them helps unseen recordings, or where what they gain is made by the noise of
-    the angles, or something speaks against each (`doubt`).
+    distinguishes them. What has `failed` is compared, and not chosen. None where none of them helps unseen recordings,
+    or where what they gain is made by the noise of the angles, or something speaks against each (`doubt`).
     """
     rules, scale = context.rules, extension.fitted.scale
-    tried, elsewhere = _refits(context, extension, rivals)
+    able = [s for s in rivals if s.name not in failed][: rules.refitted]
+    tried, elsewhere = _refits(context, extension, [*able, *(s for s in rivals if s.name in failed)])
+    losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
+    tried = [p for p in tried if p[0].name not in failed]
     if not tried:
         return None
-    losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
     least = least_of(losses.values(), np.sum)
     behind_best = {name: lag(loss, least) for name, loss in losses.items()}
+    leading = least_of((losses[s.name] for s, _ in tried), np.sum)
     score, found = min(
-        ((s, f) for s, f in tried if behind_best[s.name] < rules.tied),
+        ((s, f) for s, f in tried if lag(losses[s.name], leading) < rules.tied),
         key=lambda p: (*_plainness(p[0]), p[0].candidate.tangent),
     )
 
@@ -135,7 +143,7 @@ def _refits(
     what the interval of every number says may be absent explains nothing in its place.
     """
     rules = context.rules
-    refits = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
+    refits = [(score, context.with_term(extension, score)) for score in rivals]
     elsewhere = {
         score.name
         for score, found in refits

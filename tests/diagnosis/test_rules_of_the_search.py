@@ -46,7 +46,7 @@ def test_what_gains_less_than_half_of_a_term_is_no_rival_of_it():
     assert _rivals(SimpleNamespace(rules=RULES, ranked={(): (None, scores)}), scores[0]) == ["rival"]
 
 
-def chosen(losses, monkeypatch):
+def chosen(losses, monkeypatch, failed=()):
     """What a refit chooses of candidates with these numbers and losses in 16 blocks, {name: (numbers, losses)}."""
 
     def with_term(extension, one):
@@ -65,7 +65,7 @@ def chosen(losses, monkeypatch):
     monkeypatch.setattr(choice, "undetermined", lambda *asked: "")
     rivals = [score(name, 0.5, numbers, folds=np.full(3, hash_of(name))) for name, (numbers, _) in losses.items()]
     extension = SimpleNamespace(fitted=SimpleNamespace(scale=np.ones(1)))
-    return refitted(context, extension, None, rivals, ())
+    return refitted(context, extension, None, rivals, (), failed)
 
 
 def hash_of(name: str) -> float:
@@ -87,6 +87,14 @@ def test_the_plainer_of_two_that_tie_is_taken(lag, found, monkeypatch):
 @pytest.mark.parametrize(("lag", "alike"), [(2.0, ("rival",)), (3.0, ())])
 def test_a_refit_distinguishes_what_lags_clearly(lag, alike, monkeypatch):
     assert chosen({"best": (1, np.full(16, 9.0)), "rival": (1, behind(lag))}, monkeypatch).alike == alike
+
+
+@pytest.mark.parametrize("lag", [2.0, 3.0])
+def test_what_failed_its_placebos_is_not_chosen_and_stays_a_look_alike(lag, monkeypatch):
+    """What hardly varies resembles itself when it is shifted: no placebo can tell it from chance."""
+    losses = {"best": (1, np.full(16, 9.0)), "other": (1, behind(lag)), "worse": (1, behind(9.0))}
+    found = chosen(losses, monkeypatch, failed=("best",))
+    assert found.added.name == "other" and found.alike == ("best",)
 
 
 @pytest.mark.shows("refitted")
