@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -37,8 +38,6 @@ LEAST_NOISE, MOST_NOISE = 1e-6, 1e6
 @dataclass(frozen=True, eq=False)
 class Noise(AsJson):
     """Torque noise: `sd` (J,) N·m of a sample, `per_second` (J,) independent samples, and where this is known from."""
-
-    JSON = "sd independent_per_second=per_second source"
 
     sd: Float
     per_second: Float
@@ -81,6 +80,9 @@ class Noise(AsJson):
             for joint, sd, count in zip(self.joints, self.sd, self.per_second, strict=True)
         )
         return f"{parts} ({self.source})"
+
+    def _json(self) -> dict[str, Any]:
+        return {"sd": self.sd, "independent_per_second": self.per_second, "source": self.source}
 
 
 def eigenvalues(gram: Float) -> Float:

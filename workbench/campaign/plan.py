@@ -55,8 +55,6 @@ class Job(AsJson):
     `model` is the path of a model file or None, `options` the command's own, `case` the name of a simulated leg.
     """
 
-    JSON = "name verb fields recordings verify model options seed"
-
     name: str
     verb: str
     fields: Mapping[str, str]
@@ -66,6 +64,12 @@ class Job(AsJson):
     options: tuple[str, ...] = ()
     seed: int = 0
     case: str | None = None
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "name": self.name, "verb": self.verb, "fields": self.fields, "recordings": self.recordings,
+            "verify": self.verify, "model": self.model, "options": self.options, "seed": self.seed,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import ExoidError
-from exoid.ground.plain import picked
 from exoid.ground.text import printable
 from exoid.measurement.reading.mapping import StatedMapping
 
@@ -149,7 +148,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "guess": guess,
         "sides": list(sides),
         "guesses": guesses,
-        "told": {**picked(told, "leg passive"), "columns": dict(told.columns), "units": dict(told.units)},
+        "told": {"leg": told.leg, "passive": told.passive, "columns": dict(told.columns), "units": dict(told.units)},
         "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
