@@ -270,7 +270,7 @@ class Model(Telling):
     @cached_property
     def base_count(self) -> int:
         """How many parameters the model without terms has: inertial, of friction, and of measured forces."""
-        return self.friction.stop + sum(len(force.parameters(self.joints)) for force in self.forces)
+        return int(self.friction.stop + sum(len(force.parameters(self.joints)) for force in self.forces))
 
     @cached_property
     def channels(self) -> tuple[str, ...]:

@@ -98,7 +98,7 @@ def condition(gram: Float) -> Float:
 
 def fisher(gram: Float, noise: Noise, duration: float) -> Float:
     """Return the information F (I, M, M) of `duration` s of the motion."""
-    return np.einsum("ijpr,j->ipr", gram, noise.weight * duration)
+    return np.asarray(np.einsum("ijpr,j->ipr", gram, noise.weight * duration))
 
 
 def log_det(information: Float) -> Float:
@@ -114,7 +114,7 @@ def deviations(information: Float) -> Float:
     lost = values <= LOST * values[:, -1:]
     spread = np.einsum("ipk,ik->ip", axes**2, np.where(lost, 0.0, 1.0 / np.maximum(values, TINY)))
     blind = np.einsum("ipk,ik->ip", axes**2, lost.astype(float)) > 1e-9
-    return np.where(blind, np.inf, np.sqrt(spread)) / scale
+    return np.asarray(np.where(blind, np.inf, np.sqrt(spread)) / scale)
 
 
 def softened(gram: Float, power: float = 4.0) -> Float:
@@ -122,7 +122,7 @@ def softened(gram: Float, power: float = 4.0) -> Float:
     logs = np.log(eigenvalues(gram))
     above = np.log(np.sum(np.exp(power * (logs - logs[:, -1:])), axis=1)) / power + logs[:, -1]
     below = np.log(np.sum(np.exp(-power * (logs - logs[:, :1])), axis=1)) / power - logs[:, 0]
-    return above + below
+    return np.asarray(above + below)
 
 
 @dataclass(frozen=True, eq=False)

@@ -141,7 +141,7 @@ def _data(fit: Fit, extra: Float, name: str) -> LinearData:
 def _shifted(area: Float, e: float) -> Float:
     """Return the covariance (2, 2) of (coupling, weight) from that of (coupling, weight - e coupling)."""
     turn = np.array([[1.0, 0.0], [e, 1.0]])
-    return turn @ area @ turn.T
+    return np.asarray(turn @ area @ turn.T)
 
 
 def _fieller(coupling: float, weight: float, area: Float, gravity: float) -> tuple[float, float]:

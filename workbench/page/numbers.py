@@ -170,7 +170,8 @@ def _variable(session: Session, place: int, fitted: FittedModel, variable: str, 
     stem, names = {"angle": "q", "velocity": "dq", "acceleration": "ddq"}.get(kind), session.model.joint_names
     if variable != "load" and (stem is None or of not in names):
         raise RecordingError(f"there is no variable {variable[:40]!r}", remedy="reload the page")
-    return signal_of(one, fitted, variable if stem is None else f"{stem}{names.index(of) + 1}", joint)[one.kept]
+    name = variable if stem is None else f"{stem}{names.index(of) + 1}"
+    return np.asarray(signal_of(one, fitted, name, joint)[one.kept])
 
 
 def _recording(session: Session, index: int) -> Any:
