@@ -60,6 +60,16 @@ def test_imports_point_down():
     assert faults(SOURCES, upwards) == {}
 
 
+def test_reading_asks_what_the_samples_say_in_one_place():
+    """From file to recording it runs one way; what the audit knows is asked by `read.py`, after it."""
+    folder = ROOT / "measurement/reading"
+
+    def asked(path):
+        return [m for m in modules_of(telling_nodes(path)) if m.startswith("exoid.measurement.auditing")]
+
+    assert faults((p for p in SOURCES if folder in p.parents and p.name != "read.py"), asked) == {}
+
+
 def test_nothing_heavy_is_imported_at_the_top():
     def heavy(path):
         return [m for m in modules_of(top_level(tree_of(path).body)) if m.split(".")[0] in HEAVY]

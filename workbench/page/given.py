@@ -79,7 +79,7 @@ def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Seque
     Of an answer counts what this file has: its leg, convention and passive joints, and the columns and units of those
     that are there.
     """
-    from exoid.measurement.reading.mapped import factors_of
+    from exoid.measurement.reading.mapping import factors_of
     from exoid.measurement.reading.read import open_table, read_as_told
 
     try:
@@ -113,7 +113,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
     from exoid.measurement.reading.columns import assign, canonical_columns, legs, required
     from exoid.measurement.reading.conventions import conventions_of_machine
-    from exoid.measurement.reading.mapped import numbered
+    from exoid.measurement.reading.mapping import numbered
     from exoid.measurement.reading.names import kind_of
     from exoid.measurement.reading.read import open_table
     from exoid.symbolic.units import SI_UNIT

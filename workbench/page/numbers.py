@@ -103,7 +103,7 @@ def column_of(workspace: Workspace, session: Session, index: int, name: str) -> 
     """Return any column of the file of a recording (1, K), as it stands there, at the instants of the plots."""
     import numpy as np
 
-    from exoid.measurement.reading.mapped import numbered
+    from exoid.measurement.reading.mapping import numbered
     from exoid.measurement.reading.read import open_table
 
     one = _recording(session, index)
