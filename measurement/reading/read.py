@@ -31,7 +31,7 @@ from exoid.measurement.reading.large import in_stretches
 from exoid.measurement.reading.made_times import join_split
 from exoid.measurement.reading.mapping import FILE, StatedMapping, remembered
 from exoid.measurement.reading.raw import RawTable
-from exoid.measurement.reading.repair import on_one_clock, recorded
+from exoid.measurement.reading.repair import as_recording, on_one_clock
 from exoid.measurement.reading.sources import digest, expand, find_formats, folder_of, opened
 from exoid.measurement.recording import Recording, Source
 from exoid.measurement.selection import selected
@@ -253,7 +253,7 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     where = origin.path or name
     assigned = assign(table, told, where=where, joints=joints)
     draft = read_degrees(on_one_clock(table, assigned, origin, name, joints), assigned)
-    recording = recorded(draft, origin, name).with_passive(*told.passive)
+    recording = as_recording(draft, origin, name).with_passive(*told.passive)
     recording = read_as(mask_unusable(without_rounding(recording)), told.convention)
     recording = selected(recording, table, told.only)
     recording = recording.with_findings(audit(recording))

@@ -45,7 +45,7 @@ def on_one_clock(
     return _clock_unit(_order_time(draft))
 
 
-def recorded(draft: Draft, source: Source, name: str) -> Recording:
+def as_recording(draft: Draft, source: Source, name: str) -> Recording:
     """Return the recording, with angles whose jumps and spikes are mended."""
     draft = _angles(draft)
     columns, joints = draft.columns, draft.joints

@@ -13,7 +13,7 @@ from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.reading.columns import assign
 from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.raw import RawColumn, RawTable
-from exoid.measurement.reading.repair import on_one_clock, recorded
+from exoid.measurement.reading.repair import as_recording, on_one_clock
 from exoid.measurement.recording import Source
 from exoid.symbolic.model import Model
 
@@ -35,7 +35,7 @@ def read(columns):
     table = RawTable(tuple(RawColumn(k, np.array(v, dtype=float)) for k, v in columns.items()), np.arange(2, count + 2))
     assigned, source = assign(table, StatedMapping(), where="f"), Source("f", "")
     draft = read_degrees(on_one_clock(table, assigned, source, "f"), assigned)
-    recording = mask_unusable(without_rounding(recorded(draft, source, "f")))
+    recording = mask_unusable(without_rounding(as_recording(draft, source, "f")))
     return recording.with_findings(audit(recording))
 
 

@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--per-recording", action="store_true",
         help="every parameter from every recording alone: which numbers can be trusted, and what to record",
     )  # fmt: skip
-    parser.add_argument("--write", metavar="FILE", help="write the model with its identified numbers to FILE")
+    parser.add_argument("--write", metavar="FILE", help="write the model with its identified parameters to FILE")
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
 

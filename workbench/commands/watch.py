@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     group.add_argument(
         "--estimates", metavar="BLOCKS", type=whole_number, default=0,
-        help="report the model's numbers every so many blocks of 5 s (0: only at the end)",
+        help="report the model's parameters every so many blocks of 5 s (0: only at the end)",
     )  # fmt: skip
     group.add_argument(
         "--state", metavar="FILE", help="keep what is learnt in FILE, and go on with what is there: no new learning"
