@@ -20,8 +20,6 @@ from exoid.workbench.campaign.store import CHANGED, AwayError
 ROLES = ("recordings", "verify")
 ATTEMPTS, PAUSE = 3, 1.0
 """Times a job is tried whose recordings cannot be reached, and seconds in between: a network folder comes back."""
-FUNCTION = f"{__name__}:work"
-"""How an engine calls `work`."""
 
 
 class WorkError(RuntimeError):
@@ -207,3 +205,7 @@ def _differing(wanted: Mapping[str, str], here: Mapping[str, str]) -> str:
     names = sorted({*wanted, *here})
     pairs = [(n, wanted.get(n, "nothing"), here.get(n, "nothing")) for n in names if wanted.get(n) != here.get(n)]
     return ", ".join(f"{name} {there} here and {on} on the worker" for name, there, on in pairs)
+
+
+FUNCTION = f"{work.__module__}:{work.__name__}"
+"""How an engine calls it in processes of its own, whose version may be another."""
