@@ -7,9 +7,9 @@ out. What a copy does not answer, because it failed, was ended or has come to ot
 `EXOID_PROCESSES` says how many processes there may be: by default as many as cores, four at most; 1 in workers that
 share a machine.
 
-Why not a pool: processes forked anew for each of the ten rounds of practice leg e give nothing back. Processor time on
-the longest way through it, with two processes: alone 2.4 s, so 2.0 s, with the pool 2.4 s (1.5 s in this process and
-half of 1.8 s in two others). A pool that stays would have to be sent every model and all it was weighed on.
+Why not a pool: processes forked anew for each of the ten rounds of practice leg e give nothing back. Seconds of
+processor time on the longest way to its answer, with two processes: 2.4 alone, 2.0 as here, 2.4 by the pool (1.5 here
+and half of 1.8 in two others). A pool that stays would have to be sent every model and all it was weighed on.
 """
 
 from __future__ import annotations
