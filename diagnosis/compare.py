@@ -8,8 +8,7 @@ beyond one curve, near which values and at reversals, is measured on the residua
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,13 +19,13 @@ from exoid.diagnosis.evidence.remainder import Remainder, remainders
 from exoid.diagnosis.evidence.strides import Strides, strides_of
 from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.plots import against
+from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.torques import torques_over_time
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
 from exoid.ground.calling import understood
 from exoid.ground.frames import pandas
 from exoid.ground.html import picture, table
-from exoid.ground.lazy import LentMethod
-from exoid.ground.plain import AsJson
+from exoid.ground.plain import AsJson, by_name
 from exoid.measurement.finding import Finding
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, of_the_leg, question_of
@@ -48,7 +47,7 @@ MOST_FIGURES = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison(AsJson):
+class Comparison(Reported, AsJson):
     """A fitted model compared with recordings; all RMS (J,) in N·m after the common filter.
 
     `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
@@ -56,11 +55,6 @@ class Comparison(AsJson):
     `forces` are the measured ones of the model: where each acts, and what it makes. `strides` are those of the shown
     recordings, None where the motion has none.
     """
-
-    JSON = (
-        "joints rms verify_rms signal_rms noise_floor sse_verify_rms where per_recording=rms_of filter=cutoff "
-        "parameters=fit.estimates{} forces strides thigh_length audit"
-    )
 
     fit: Fit
     rms: Float
@@ -164,7 +158,13 @@ class Comparison(AsJson):
             + (table(("share", "where the error sits", "caution"), where) if where else "")
         )
 
-    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
+    def _json(self) -> dict[str, Any]:
+        return {
+            "joints": self.joints, "rms": self.rms, "verify_rms": self.verify_rms, "signal_rms": self.signal_rms,
+            "noise_floor": self.noise_floor, "sse_verify_rms": self.sse_verify_rms, "where": self.where,
+            "per_recording": self.rms_of, "filter": self.cutoff, "parameters": by_name(self.fit.estimates),
+            "forces": self.forces, "strides": self.strides, "thigh_length": self.thigh_length, "audit": self.audit,
+        }  # fmt: skip
 
 
 @of_the_leg
@@ -220,10 +220,11 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
 class Verification(AsJson):
     """RMS error (J,) in N·m on unseen recordings of the Huber and of the SSE parameters: the paper's check."""
 
-    JSON = "verify_rms=huber sse_verify_rms=sse"
-
     huber: Float
     sse: Float
+
+    def _json(self) -> dict[str, Any]:
+        return {"verify_rms": self.huber, "sse_verify_rms": self.sse}
 
 
 def verification(fit: Fit, prepared: Prepared) -> Verification | None:

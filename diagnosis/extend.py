@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
+from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.results import Step, steps_figure, steps_table
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.calling import understood
 from exoid.ground.errors import ExoidError
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, picture
-from exoid.ground.lazy import LentMethod
-from exoid.ground.plain import AsJson
+from exoid.ground.plain import AsJson, by_name
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, machine_of, model_of, question_of
@@ -39,10 +38,8 @@ WORTH = Threshold(0.002, "relative fall of the unseen error, of the joint that g
 
 
 @dataclass(frozen=True, eq=False)
-class Waterfall(AsJson):
+class Waterfall(Reported, AsJson):
     """The error from model to model: `steps` with RMS (J,) in N·m, down to the `noise_floor` (J,)."""
-
-    JSON = "steps noise_floor stopped_because"
 
     steps: tuple[Step, ...]
     noise_floor: Float
@@ -84,17 +81,13 @@ class Waterfall(AsJson):
         fall = falling_text(self.steps, self.joints, self.unit)
         return steps_table(self.steps, self.noise_floor, self.joints, self.unit) + picture(self.plot(), fall)
 
-    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
+    def _json(self) -> dict[str, Any]:
+        return {"steps": self.steps, "noise_floor": self.noise_floor, "stopped_because": self.stopped_because}
 
 
 @dataclass(frozen=True, eq=False)
-class Addition(AsJson):
+class Addition(Reported, AsJson):
     """One effect added: the extended `model`, the fits `before` and `after`, and whether unseen motion gained."""
-
-    JSON = (
-        "helped sentence backend biased parameters=after.estimates{} steps=waterfall.steps "
-        "noise_floor=waterfall.noise_floor stopped_because=waterfall.stopped_because"
-    )
 
     model: Model
     before: Fit
@@ -123,7 +116,12 @@ class Addition(AsJson):
     def _repr_html_(self) -> str:
         return lines(strong=self.sentence) + self.waterfall._repr_html_() + bullets(self.biased)
 
-    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
+    def _json(self) -> dict[str, Any]:
+        return {
+            "helped": self.helped, "sentence": self.sentence, "backend": self.backend, "biased": self.biased,
+            "parameters": by_name(self.after.estimates), "steps": self.waterfall.steps,
+            "noise_floor": self.waterfall.noise_floor, "stopped_because": self.waterfall.stopped_because,
+        }  # fmt: skip
 
 
 def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str:

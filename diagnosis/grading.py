@@ -26,8 +26,6 @@ class ScoreError(ExoidError):
 class HiddenParameter(AsJson):
     """A hidden number: its `true` value, the estimate and its 95 % interval."""
 
-    JSON = "* inside"
-
     name: str
     true: float
     value: float
@@ -38,6 +36,9 @@ class HiddenParameter(AsJson):
     def inside(self) -> bool:
         """Whether the interval contains the truth."""
         return self.low <= self.true <= self.high
+
+    def _json(self) -> dict[str, Any]:
+        return {**super()._json(), "inside": self.inside}
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,6 @@ class GradedEffect(AsJson):
 @dataclass(frozen=True)
 class Grade(AsJson):
     """How a diagnosis did: every hidden effect, the `extra` ones it accepted, its `verdict`, and if it was right."""
-
-    JSON = "right verdict extra hidden"
 
     hidden: tuple[GradedEffect, ...]
     extra: tuple[str, ...]
@@ -84,6 +83,9 @@ class Grade(AsJson):
         if not self.hidden and self.verdict != "adequate":
             said.append(f"nothing was hidden, and the verdict is {self.verdict}")
         return (*said, "the diagnosis was right" if self.right else "the diagnosis was wrong")
+
+    def _json(self) -> dict[str, Any]:
+        return {"right": self.right, "verdict": self.verdict, "extra": self.extra, "hidden": self.hidden}
 
 
 def match(hidden: Sequence[str], accepted: Sequence[tuple[str, Sequence[str]]]) -> dict[str, str | None]:

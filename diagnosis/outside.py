@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -23,8 +24,6 @@ class ForceUse(AsJson):
     identified), and the RMS (J,) of its torque in N·m, `share` (J,) of that of the whole torque.
     """
 
-    JSON = "name columns link frame at low high gain torque share sentence"
-
     name: str
     columns: tuple[str, ...]
     link: str
@@ -36,6 +35,13 @@ class ForceUse(AsJson):
     torque: tuple[float, ...]
     share: tuple[float, ...]
     sentence: str
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "name": self.name, "columns": self.columns, "link": self.link, "frame": self.frame, "at": self.at,
+            "low": self.low, "high": self.high, "gain": self.gain, "torque": self.torque, "share": self.share,
+            "sentence": self.sentence,
+        }  # fmt: skip
 
 
 def force_uses(now: FittedModel) -> tuple[ForceUse, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,13 +18,13 @@ from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.plots import falling_error, suspects
+from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.sureness import FAIRLY, MEANINGS, VERY, least_sure, meanings_of, sureness
 from exoid.diagnosis.torques import torques_over_time
 from exoid.ground.frames import pandas
 from exoid.ground.html import Bar, bullets, fold, lines, picture, table
-from exoid.ground.lazy import LentMethod
-from exoid.ground.plain import AsJson
+from exoid.ground.plain import AsJson, by_name
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import ThighLength
@@ -78,11 +77,6 @@ class Accepted(AsJson):
     Of its `look_alikes` some are `never_separable` by any motion, and some are `outside` the catalogue.
     """
 
-    JSON = (
-        "effect joint parameters look_alikes never_separable p_value rms_before rms_after sentence "
-        "accepted_in=agreement.share splits=agreement.of ranges=agreement.ranges against stability sureness"
-    )
-
     effect: str
     joint: str | None
     parameters: Mapping[str, Estimate]
@@ -118,6 +112,15 @@ class Accepted(AsJson):
         units = {name: e.unit for name, e in self.parameters.items()}
         return stability_of(self.agreement, units, self.against, lambda key: number_of(f"{self.effect}.{key}"))
 
+    def _json(self) -> dict[str, Any]:
+        return {
+            "effect": self.effect, "joint": self.joint, "parameters": self.parameters, "look_alikes": self.look_alikes,
+            "never_separable": self.never_separable, "p_value": self.p_value, "rms_before": self.rms_before,
+            "rms_after": self.rms_after, "sentence": self.sentence, "accepted_in": self.agreement.share,
+            "splits": self.agreement.of, "ranges": self.agreement.ranges, "against": self.against,
+            "stability": self.stability, "sureness": self.sureness,
+        }  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class Possible(AsJson):
@@ -125,8 +128,6 @@ class Possible(AsJson):
 
     `parameters` have the range over the splits as `low` and `high`; `early`: its torque would come before its motion.
     """
-
-    JSON = "effect joint accepted_in=agreement.share splits=agreement.of parameters explained_share reason"
 
     effect: str
     joint: str | None
@@ -145,6 +146,13 @@ class Possible(AsJson):
     def sentence(self) -> str:
         """The effect and why it is only possible, in words."""
         return f"{called(self.name)}: {self.reason}"
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "effect": self.effect, "joint": self.joint, "accepted_in": self.agreement.share,
+            "splits": self.agreement.of, "parameters": self.parameters, "explained_share": self.explained_share,
+            "reason": self.reason,
+        }  # fmt: skip
 
 
 def stability_of(
@@ -170,8 +178,6 @@ def stability_of(
 class Step(AsJson):
     """One model on the way down: RMS (J,) in N·m after the common filter, on the same samples at every step."""
 
-    JSON = "model=label train_rms verify_rms sentence"
-
     label: str
     train_rms: Float
     verify_rms: Float | None
@@ -187,9 +193,14 @@ class Step(AsJson):
         """The error (J,) on that motion, N·m."""
         return self.train_rms if self.verify_rms is None else self.verify_rms
 
+    def _json(self) -> dict[str, Any]:
+        return {
+            "model": self.label, "train_rms": self.train_rms, "verify_rms": self.verify_rms, "sentence": self.sentence,
+        }  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis(AsJson):
+class Diagnosis(Reported, AsJson):
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
     `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
@@ -200,11 +211,6 @@ class Diagnosis(AsJson):
     recordings that are not of what the others are of, `power` what would have shown where nothing is missing.
     """
 
-    JSON = (
-        "schema verdict headline sureness joints rule sentence accepted suspects possible steps noise_floor "
-        "unexplained=_unexplained_json model_error=error next_experiment biased differing filter=cutoff "
-        "stopped_because parameters=fit.estimates{} forces left_out power thigh_length audit seconds"
-    )
     schema: ClassVar[str] = SCHEMA
     INSTEAD: ClassVar[Mapping[str, str]] = {
         "save": "found.report('out') writes the page, found.model.save('leg.toml', found.fit) the model; "
@@ -369,7 +375,17 @@ class Diagnosis(AsJson):
             models = {"before": self.given, "after": fitted_model(self.fit, self.given.prepared)}
         return picture(torques_over_time(models), f"Torque over time, measured, and of: {', '.join(models)}")
 
-    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
+    def _json(self) -> dict[str, Any]:
+        return {
+            "schema": self.schema, "verdict": self.verdict, "headline": self.headline, "sureness": self.sureness,
+            "joints": self.joints, "rule": self.rule, "sentence": self.sentence, "accepted": self.accepted,
+            "suspects": self.suspects, "possible": self.possible, "steps": self.steps, "noise_floor": self.noise_floor,
+            "unexplained": self._unexplained_json, "model_error": self.error, "next_experiment": self.next_experiment,
+            "biased": self.biased, "differing": self.differing, "filter": self.cutoff,
+            "stopped_because": self.stopped_because, "parameters": by_name(self.fit.estimates), "forces": self.forces,
+            "left_out": self.left_out, "power": self.power, "thigh_length": self.thigh_length, "audit": self.audit,
+            "seconds": self.seconds,
+        }  # fmt: skip
 
 
 def steps_figure(

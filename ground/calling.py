@@ -7,7 +7,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 
 from exoid.ground.errors import ExoidError
 from exoid.ground.suggest import did_you_mean
@@ -53,7 +53,7 @@ def understood(also: dict[str, str] | None = None) -> Callable[[Called], Called]
         if isinstance(called, type):
             called.__init__ = _taking(called.__init__, called, words)  # type: ignore[misc]
             return called
-        return _taking(called, called, words)
+        return cast("Called", _taking(called, called, words))
 
     return made
 

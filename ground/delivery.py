@@ -2,6 +2,9 @@
 
 Inside `together()` every file is written whole, under a name of its own, beside the place it is meant for; what goes
 wrong until the end leaves every place as it was. Outside of it a file is put in place at once.
+
+One temporary folder and `os.replace` would not do: --out, --write and --json lead to different disks, between which
+nothing is replaced in one step; and where one of three files cannot be put in place, the others have to go back.
 """
 
 from __future__ import annotations

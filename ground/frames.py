@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 from exoid.ground.extras import needing
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-def pandas() -> Any:
+
+class Pandas(Protocol):
+    """What is used of the module."""
+
+    @property
+    def DataFrame(self) -> type[pd.DataFrame]: ...  # noqa: D102
+
+
+def pandas() -> Pandas:
     """Return the module pandas; ExoidError where it is not installed."""
     with needing("pandas", "DataFrames", "pandas", instead="; to_json() gives the same without it"):
         import pandas

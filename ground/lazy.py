@@ -1,20 +1,16 @@
-"""Short names for notebooks (`from exoid.optimisation import identify`, `model.torque(motion, numbers)`) that cost
-nothing until they are used.
-"""
+"""Short names for notebooks (`from exoid.optimisation import identify`) that cost nothing until they are used."""
 
 from __future__ import annotations
 
 import importlib
 import re
 import sys
-from collections.abc import Callable, Mapping
-from functools import cached_property
+from collections.abc import Mapping
 from types import ModuleType
-from typing import Any, Generic, TypeVar, cast
+from typing import Any
 
 from exoid.ground.calling import no_such
 
-Value = TypeVar("Value")
 HOUSE = __name__.partition(".")[0]
 """The one name under which everything is imported: exoid."""
 
@@ -79,48 +75,3 @@ def lend(package: str) -> list[str]:
     module.__dict__["_homes"] = homes
     module.__class__ = LazyPackage
     return list(homes)
-
-
-class _Lent:
-    """A function of a module above that of a class, "module:function"; it is looked for at its first use."""
-
-    def __init__(self, home: str) -> None:
-        self._home = home
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self._owner, self._name = owner, name
-
-    def _found(self) -> Callable[..., Any]:
-        module, _, function = self._home.partition(":")
-        return cast("Callable[..., Any]", getattr(importlib.import_module(module), function))
-
-    def _exchanged(self, member: Any, instance: Any) -> Any:
-        """Put `member` into the place of this one, and return what it is on `instance`."""
-        setattr(self._owner, self._name, member)
-        return getattr(self._owner if instance is None else instance, self._name)
-
-
-class LentMethod(_Lent, Generic[Value]):
-    """A method that a module above its class provides; it returns a Value.
-
-    So the class imports nothing of what is computed from it, and pays for it at its first use alone.
-    """
-
-    def __get__(self, instance: Any, owner: type | None = None) -> Callable[..., Value]:
-        return cast("Callable[..., Value]", self._exchanged(self._found(), instance))
-
-
-class LentFunction(_Lent, Generic[Value]):
-    """The same for what is called on the class, without an instance."""
-
-    def __get__(self, instance: Any, owner: type | None = None) -> Callable[..., Value]:
-        return cast("Callable[..., Value]", self._exchanged(staticmethod(self._found()), instance))
-
-
-class LentProperty(_Lent, Generic[Value]):
-    """The same for a property, which is computed once."""
-
-    def __get__(self, instance: Any, owner: type | None = None) -> Value:
-        member = cached_property(self._found())
-        member.__set_name__(self._owner, self._name)
-        return cast("Value", self._exchanged(member, instance))

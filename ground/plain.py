@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
-from operator import attrgetter
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, Protocol, TypeVar
 
 from exoid.ground.calling import Telling
+
+
+class HasName(Protocol):
+    """Anything with a name."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+
+
+Named = TypeVar("Named", bound=HasName)
 
 
 def plain(value: Any) -> Any:
@@ -38,26 +47,17 @@ def plain_dict(values: Mapping[str, Any]) -> dict[str, Any]:
     return {str(key): plain(value) for key, value in values.items()}
 
 
-def picked(value: Any, words: str) -> dict[str, Any]:
-    """Return what `words` name of an object: "*" for all fields of a dataclass, a name for a field or property,
-    "key=name" (or "key=name.of.its") where the key is another, "name{}" where a sequence becomes {name: one of them}.
-    """
-    out: dict[str, Any] = {}
-    for word in words.split():
-        if word == "*":
-            out |= {f.name: getattr(value, f.name) for f in fields(value)}
-        else:
-            key, _, place = word.removesuffix("{}").partition("=")
-            found = attrgetter(place or key)(value)
-            out[key] = {one.name: one for one in found} if word.endswith("{}") else found
-    return out
+def by_name(several: Iterable[Named]) -> dict[str, Named]:
+    """Return {name: one of them}."""
+    return {one.name: one for one in several}
 
 
 class AsJson(Telling):
-    """A dataclass whose JSON is told by `JSON`, in the words that `picked` takes."""
-
-    JSON: ClassVar[str] = "*"
+    """A dataclass with a JSON form: all its fields, unless its `_json` says what else."""
 
     def to_json(self) -> dict[str, Any]:
-        """Return what `JSON` names in plain types."""
-        return plain_dict(picked(self, self.JSON))
+        """Return the result in plain types."""
+        return plain_dict(self._json())
+
+    def _json(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]

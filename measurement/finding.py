@@ -26,8 +26,6 @@ class Finding(AsJson):
     `confidence` is "certain", "likely" or "possible", `remedy` says what to do.
     """
 
-    JSON = "* repaired"
-
     check: str
     severity: str
     what: str
@@ -51,6 +49,9 @@ class Finding(AsJson):
         place = f"{self.where}: " if self.where else ""
         advice = f" ({self.remedy})" if self.remedy else ""
         return f"{self.severity}: {place}{self.what}{advice}"
+
+    def _json(self) -> dict[str, Any]:
+        return {**super()._json(), "repaired": self.repaired}
 
 
 def row_ranges(rows: NDArray[np.integer[Any]], most: int = 4) -> str:

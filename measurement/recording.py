@@ -129,7 +129,7 @@ class Recording:
             return rows
         if np.shape(given) != shape:
             raise ArrayError(f"recording.{name} has shape {np.shape(given)}, expected {shape}")
-        cells = rows & np.asarray(given, dtype=bool)
+        cells: NDArray[np.bool_] = rows & np.asarray(given, dtype=bool)
         cells.setflags(write=False)
         return cells
 

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from exoid.optimisation.excitation.design import evaluate as evaluate
     from exoid.optimisation.excitation.design import evaluate_paper as evaluate_paper
     from exoid.optimisation.fitting.fit import Fit as Fit
-    from exoid.optimisation.fitting.identify import Search as Search
     from exoid.optimisation.fitting.identify import identify as identify
+    from exoid.optimisation.fitting.settings import Search as Search
     from exoid.optimisation.paper.reproduce import paper_items as paper_items
     from exoid.optimisation.paper.reproduce import reproduce_paper as reproduce_paper
     from exoid.optimisation.preparation.prepare import prepare as prepare

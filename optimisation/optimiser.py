@@ -90,8 +90,6 @@ class OptimiserRun(AsJson):
     optimum where one is known; `state` is the optimiser's last.
     """
 
-    JSON = "name parameters=x loss=fitness evaluations seconds seed gap"
-
     name: str
     x: Float
     fitness: float
@@ -116,6 +114,12 @@ class OptimiserRun(AsJson):
     def _repr_html_(self) -> str:
         head = ("optimiser", "loss", "relative gap", "evaluations", "seconds", "seed")
         return table(head, [(self.name, self.fitness, self.gap, self.evaluations, self.seconds, self.seed)])
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "name": self.name, "parameters": self.x, "loss": self.fitness, "evaluations": self.evaluations,
+            "seconds": self.seconds, "seed": self.seed, "gap": self.gap,
+        }  # fmt: skip
 
 
 def minimise(

@@ -37,24 +37,17 @@ from exoid.symbolic.motion import Float, Motion
 from exoid.symbolic.waves import FEW, Waves
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model import Model, MovingTorque
     from exoid.symbolic.term import Term
 
 
 def model_columns(model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
-    """Return the regressor (J, N, P).
-
-    `shape` (S,) are values of the shapes (default: typical), `reference` (P,) the linear parameters
-    from which a column that depends on the model's torque computes it (default: zero). ValueError on
-    wrong lengths.
-    """
+    """Return the regressor (J, N, P); see `Model.columns`."""
     return whole_columns(model, motion, shape, reference)[:, :, : len(model.parameters)]
 
 
 def whole_columns(model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
-    """Return `model_columns`, with one more, (J, N, P + 1), where the model has measured forces: the torque that these
-    ask for without a number, their place and gain being known.
-    """
+    """Return `model_columns`, with one more where there are measured forces; see `Model.whole_columns`."""
     shapes = vector(shape, model.typical_shape, "shape")
     linear = carrying(model, motion, vector(reference, np.zeros(len(model.parameters)), "reference"))
     out = _untransformed(model, motion, shapes, linear)
@@ -78,9 +71,7 @@ def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -
 
 
 def following_places(model: Model) -> tuple[int, ...]:
-    """Return the indices (m,) of the parameters whose columns follow the shapes, or the parameters where these are fed
-    back, all others staying what they are; none where shapes reach into the equations or into whole torques.
-    """
+    """Return the indices of the parameters whose columns follow the shapes; see `Model.following_places`."""
     found = tuple(term for term in model.terms if term.effect.shape or uses_feedback(term))
     further = _mechanism_follows(model) or any(t.effect.derive is not None or is_transform(t) for t in found)
     return () if further else _coefficients(model, found)
@@ -105,9 +96,7 @@ def _coefficients(model: Model, terms: Iterable[Term]) -> tuple[int, ...]:
 def following_columns(
     model: Model, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
 ) -> Float:
-    """Return the columns (V, J, m, N) of the parameters `chosen` (m,), all of `following_places` or `held_places`, at V
-    rows of shapes, `nodes` (V, S), and with the parameters at `reference` (P,) where columns depend on these.
-    """
+    """Return the columns (V, J, m, N) of the parameters `chosen`; see `Model.following_columns`."""
     names, words = [entry.name for entry in model.shapes], motion_words(motion)
     wanted = {model.parameters[k].term for k in chosen}
     terms = tuple(term for term in model.terms if term.name in wanted)
@@ -158,10 +147,8 @@ def forces_torque(model: Model, motion: Motion, linear: Float) -> Float:
 
 def moving_torque(
     model: Model, motion: Motion, linear: Float, shape: Float, index: int
-) -> tuple[Float, tuple[int, ...], Callable[[Float], Float]]:
-    """Return the torque (N, J) that shape value `index` has no part in, the joints (A,) of the rest, and what gives the
-    rest (V, A, N) at V values of it; other arguments as of `model_torque`.
-    """
+) -> MovingTorque:
+    """Return the torque that shape value `index` has no part in, and what gives the rest; see `Model.moving_torque`."""
     entry, at = model.shapes[index], shape_values(model, shape)
     term = next(term for term in model.terms if term.name == entry.term)
     if term.effect.derive is not None:

@@ -23,7 +23,7 @@ from exoid.symbolic.catalogue import catalogue
 from exoid.symbolic.codegen.equation import model_expressions
 from exoid.symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, model_data, term_content
 from exoid.symbolic.codegen.precise import evaluate_precisely, in_span
-from exoid.symbolic.language.lower import to_text
+from exoid.symbolic.language.writing import to_text
 from exoid.symbolic.memory import memory_operations
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import JOINTS

@@ -4,14 +4,14 @@
 
 with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then where measured forces act,
 as far as that is not known, then the numbers of each term. A model is a value: `with_effect` and `without` return
-another one. What is computed from it lies above: `exoid.symbolic.columns`, `exoid.symbolic.codegen`; some of that is
-lent to the model as methods, found at their first use.
+another one. What is computed from it lies above, `exoid.symbolic.columns` and `exoid.symbolic.codegen`: methods that
+need these import them when they are called, which is also why a model that is only read costs nothing of them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +23,6 @@ import numpy as np
 from exoid.ground.calling import Telling, understood
 from exoid.ground.errors import EffectError
 from exoid.ground.html import lines, table
-from exoid.ground.lazy import LentFunction, LentMethod, LentProperty
 from exoid.symbolic.catalogue import find_effect
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.force import Force, channels_of, check_forces
@@ -31,12 +30,13 @@ from exoid.symbolic.joints import LEG, Joint, check_joints, names, units
 from exoid.symbolic.language.torque import check_units
 from exoid.symbolic.mechanics.body import Body
 from exoid.symbolic.mechanics.friction import friction_parameters
-from exoid.symbolic.motion import Float
+from exoid.symbolic.motion import Float, Motion
 from exoid.symbolic.quantity import JOINTS
 from exoid.symbolic.term import Parameter, ShapeParameter, Term, places_of
 
 if TYPE_CHECKING:
     from exoid.symbolic.mechanics.mechanism import Mechanism
+    from exoid.symbolic.model_file import Identified
 
 INERTIAL = ("Phi1", "Phi2", "Phi3", "Phi4")
 """Base parameters of the rigid leg, kg·m²; what they are made of is derived in regressor.py."""
@@ -270,7 +270,7 @@ class Model(Telling):
     @cached_property
     def base_count(self) -> int:
         """How many parameters the model without terms has: inertial, of friction, and of measured forces."""
-        return self.friction.stop + sum(len(force.parameters(self.joints)) for force in self.forces)
+        return int(self.friction.stop + sum(len(force.parameters(self.joints)) for force in self.forces))
 
     @cached_property
     def channels(self) -> tuple[str, ...]:
@@ -312,18 +312,100 @@ class Model(Telling):
         """The limits of every joint, in the order of the joints, with usual ones where the model says none."""
         return {joint.name: self.limits.get(joint.name, UNLIMITED).filled(USUAL[joint.turns]) for joint in self.joints}
 
-    load = LentFunction["Model"]("exoid.symbolic.model_file:read_model")
-    save = LentMethod[Path]("exoid.symbolic.model_file:write_model")
-    columns = LentMethod[Float]("exoid.symbolic.columns:model_columns")
-    whole_columns = LentMethod[Float]("exoid.symbolic.columns:whole_columns")
-    torque = LentMethod[Float]("exoid.symbolic.columns:model_torque")
-    moving_torque = LentMethod[MovingTorque]("exoid.symbolic.columns:moving_torque")
-    following_columns = LentMethod[Float]("exoid.symbolic.columns:following_columns")
-    needs_reference = LentProperty[bool]("exoid.symbolic.columns:needs_reference")
-    reference_places = LentProperty[tuple[int, ...]]("exoid.symbolic.columns:reference_places")
-    following_places = LentProperty[tuple[int, ...]]("exoid.symbolic.columns:following_places")
-    held_places = LentProperty[tuple[int, ...]]("exoid.symbolic.columns:held_places")
-    key = LentMethod[str]("exoid.symbolic.codegen.fingerprint:model_key")
+    @staticmethod
+    def load(path: str | Path) -> Model:
+        """Read a model file; ModelFileError says what is wrong, in which line, and what to do."""
+        from exoid.symbolic.model_file import read_model
+
+        return read_model(path)
+
+    def save(self, path: str | Path, fit: Identified | None = None) -> Path:
+        """Write the model, with the numbers of `fit` where given, whole or not at all; return the path.
+
+        ModelFileError where the model holds an effect that TOML cannot express.
+        """
+        from exoid.symbolic.model_file import write_model
+
+        return write_model(self, path, fit)
+
+    def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+        """Return the regressor (J, N, P).
+
+        `shape` (S,) are values of the shapes (default: typical), `reference` (P,) the linear parameters
+        from which a column that depends on the model's torque computes it (default: zero). ValueError on
+        wrong lengths.
+        """
+        from exoid.symbolic.columns import model_columns
+
+        return model_columns(self, motion, shape, reference)
+
+    def whole_columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+        """Return `columns`, with one more, (J, N, P + 1), where the model has measured forces: the torque that these
+        ask for without a number, their place and gain being known.
+        """
+        from exoid.symbolic.columns import whole_columns
+
+        return whole_columns(self, motion, shape, reference)
+
+    def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return the torque (N, J) in N·m that the model says `motion` takes, for linear parameters (P,)."""
+        from exoid.symbolic.columns import model_torque
+
+        return model_torque(self, motion, linear, shape)
+
+    def moving_torque(self, motion: Motion, linear: Float, shape: Float, index: int) -> MovingTorque:
+        """Return the torque (N, J) that shape value `index` has no part in, the joints (A,) of the rest, and what gives
+        the rest (V, A, N) at V values of it; other arguments as of `torque`.
+        """
+        from exoid.symbolic.columns import moving_torque
+
+        return moving_torque(self, motion, linear, shape, index)
+
+    def following_columns(
+        self, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
+    ) -> Float:
+        """Return the columns (V, J, m, N) of the parameters `chosen` (m,), all of `following_places` or `held_places`,
+        at V rows of shapes, `nodes` (V, S), and with the parameters at `reference` (P,) where columns depend on these.
+        """
+        from exoid.symbolic.columns import following_columns
+
+        return following_columns(self, motion, chosen, nodes, reference)
+
+    @cached_property
+    def needs_reference(self) -> bool:
+        """Whether some column depends on the linear parameters themselves."""
+        from exoid.symbolic.columns import needs_reference
+
+        return needs_reference(self)
+
+    @cached_property
+    def reference_places(self) -> tuple[int, ...]:
+        """The indices of the linear parameters that columns depend on; () where they depend on none."""
+        from exoid.symbolic.columns import reference_places
+
+        return reference_places(self)
+
+    @cached_property
+    def following_places(self) -> tuple[int, ...]:
+        """The indices (m,) of the parameters whose columns follow the shapes, or the parameters where these are fed
+        back, all others staying what they are; none where shapes reach into the equations or into whole torques.
+        """
+        from exoid.symbolic.columns import following_places
+
+        return following_places(self)
+
+    @cached_property
+    def held_places(self) -> tuple[int, ...]:
+        """The same where columns depend on the parameters and these are held; () where others may follow as well."""
+        from exoid.symbolic.columns import held_places
+
+        return held_places(self)
+
+    def key(self) -> str:
+        """Return the hash of everything the numbers of the model depend on, plus its name and limits."""
+        from exoid.symbolic.codegen.fingerprint import model_key
+
+        return model_key(self)
 
     def _repr_html_(self) -> str:
         size = f"gravity {self.gravity:g} m/s²"

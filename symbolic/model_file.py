@@ -72,10 +72,7 @@ def read_numbers(path: str | Path) -> Numbers | None:
 
 
 def write_model(model: Model, path: str | Path, fit: Identified | None = None) -> Path:
-    """Write `model`, with the numbers of `fit` where given, whole or not at all; return the path.
-
-    ModelFileError where the model holds an effect that TOML cannot express.
-    """
+    """Write `model`, with the numbers of `fit` where given; see `Model.save`."""
     import tomli_w
 
     return write_whole(path, tomli_w.dumps(model_content(model, fit)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from exoid.ground.plain import AsJson
 
@@ -14,8 +15,6 @@ JOINTS = ("hip", "knee")
 class Estimate(AsJson):
     """An estimated parameter: `value` in `unit`, with the 95 % interval [`low`, `high`]."""
 
-    JSON = "value unit low high"
-
     name: str
     value: float
     unit: str
@@ -24,3 +23,6 @@ class Estimate(AsJson):
 
     def __str__(self) -> str:
         return f"{self.name} = {self.value:.4g} {self.unit} (95 %: {self.low:.4g} to {self.high:.4g})"
+
+    def _json(self) -> dict[str, Any]:
+        return {"value": self.value, "unit": self.unit, "low": self.low, "high": self.high}

@@ -26,7 +26,7 @@ def base_name(links: Sequence[str]) -> str:
 
 
 def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[LinkInertia, ...]:
-    """Return links with the identified numbers, nearest to `near`; ExportError where none have them."""
+    """Return links with the identified parameters, nearest to `near`; ExportError where none have them."""
     import numpy as np
 
     model = ready.model

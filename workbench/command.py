@@ -2,7 +2,7 @@
 
 Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 an internal
 error. A verb is a module in `commands/` with `HELP`, `add_arguments(parser)` and `run(args) -> int`;
-nothing is registered.
+nothing is registered. One with `IN_CAMPAIGNS` can be asked by a campaign.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A model with its identified numbers put in: what every form of export starts from.
+"""A model with its identified parameters put in: what every form of export starts from.
 
 The torques are CasADi expressions of the motion alone. Operators with memory (backlash, presliding, delay) stay
 inputs `memory[k]`; what feeds each, and its parameter as a number, is listed.
@@ -82,11 +82,11 @@ class Ready:
 
 
 def read_ready(path: str) -> Ready:
-    """Read a model file with its identified numbers; ExportError where it has none or not all of them."""
+    """Read a model file with its identified parameters; ExportError where it has none or not all of them."""
     model, numbers = read_model(path), read_numbers(path)
     if numbers is None:
         raise ExportError(
-            "the model has no identified numbers, and a controller needs them",
+            "the model has no identified parameters, and a controller needs them",
             where=path,
             remedy=f"exoid identify REC... --model {path} --write identified.toml, then export identified.toml",
         )

@@ -2,8 +2,8 @@
 identified, and not a byte of anything else.
 
 The links that move with a joint are one body to the identification. Its numbers go into the joint's child link; what is
-fixed to that link loses its own inertial. Of the many bodies with the identified numbers those nearest to what the file
-said are taken (`optimisation/linear/links.py`).
+fixed to that link loses its own inertial. Of the many bodies with the identified parameters those nearest to what the
+file said are taken (`optimisation/linear/links.py`).
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def write_updater(
 
 
 def first_estimator(model: Model, linear: Float, unit: Float, rate: float) -> Estimator:
-    """Return an estimator that begins at identified numbers (P,); `unit` (J,) N·m is the scale of the residual."""
+    """Return an estimator that begins at identified parameters (P,); `unit` (J,) N·m is the scale of the residual."""
     return Estimator.start(model, linear, SPREAD * abs(linear) + LEAST, unit, rate)
 
 
@@ -95,7 +95,7 @@ def residual_scale(model: Model, numbers: Numbers) -> np.ndarray:
 
 
 def _columns(model: Model, numbers: Numbers) -> Any:
-    """Return the CasADi function of all columns (J · P,), row by row, at the identified numbers."""
+    """Return the CasADi function of all columns (J · P,), row by row, at the identified parameters."""
     import casadi as ca
 
     from exoid.symbolic.codegen.equation import model_expressions

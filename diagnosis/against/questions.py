@@ -15,7 +15,7 @@ from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.library import Library, build_library
-from exoid.optimisation.preparation.prepare import PreparedRecording
+from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.effect import Coefficient, Effect, Shape
 from exoid.symbolic.language.torque import torques
 from exoid.symbolic.mechanics.payload import LINKS, Payload

@@ -10,7 +10,7 @@ from exoid.diagnosis.against.plots import errors_figure
 from exoid.diagnosis.against.questions import Acting
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, table
-from exoid.ground.plain import AsJson
+from exoid.ground.plain import AsJson, by_name
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
@@ -47,11 +47,6 @@ class ChangeFound(AsJson):
     is, which is looked for with the mass: the interval of either holds for any value of the other.
     """
 
-    JSON = (
-        "name kind effect joint before{} after{} change{} shape place look_alikes "
-        "explained_share=share p_value sentence"
-    )
-
     name: str
     kind: str
     before: tuple[Estimate, ...]
@@ -87,6 +82,14 @@ class ChangeFound(AsJson):
         """The joint or link that it is at, where there is one."""
         return self.name.partition(":")[2] or None
 
+    def _json(self) -> dict[str, Any]:
+        return {
+            "name": self.name, "kind": self.kind, "effect": self.effect, "joint": self.joint,
+            "before": by_name(self.before), "after": by_name(self.after), "change": by_name(self.change),
+            "shape": self.shape, "place": self.place, "look_alikes": self.look_alikes, "explained_share": self.share,
+            "p_value": self.p_value, "sentence": self.sentence,
+        }  # fmt: skip
+
 
 def _said(estimate: Estimate) -> str:
     unit = "" if estimate.unit in ("", "1") else f" {estimate.unit}"
@@ -100,11 +103,6 @@ class Differences(AsJson):
     `old` are errors of the model that were there all along and that these recordings show; `rms_before` and
     `rms_after` (J,) in `units` (J,) are those of the model fitted before, `rms_named` that of after with what is named.
     """
-
-    JSON = (
-        "differs sentence differences=found missing_all_along=old before after joints units rms_before rms_after "
-        "rms_after_named=rms_named audit seconds"
-    )
 
     found: tuple[ChangeFound, ...]
     old: tuple[str, ...]
@@ -165,3 +163,11 @@ class Differences(AsJson):
     def plot(self) -> Figure:
         """Draw the error of the model fitted before: before, after, and after with what is named."""
         return errors_figure(self.joints, self.units, self.rms_before, self.rms_after, self.rms_named)
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "differs": self.differs, "sentence": self.sentence, "differences": self.found,
+            "missing_all_along": self.old, "before": self.before, "after": self.after, "joints": self.joints,
+            "units": self.units, "rms_before": self.rms_before, "rms_after": self.rms_after,
+            "rms_after_named": self.rms_named, "audit": self.audit, "seconds": self.seconds,
+        }  # fmt: skip

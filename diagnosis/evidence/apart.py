@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,10 +36,11 @@ MOST = 1 / 3
 class Apart(AsJson):
     """A recording that was left out of an answer, and why in words."""
 
-    JSON = "recording sentence"
-
     recording: str
     sentence: str
+
+    def _json(self) -> dict[str, Any]:
+        return {"recording": self.recording, "sentence": self.sentence}
 
 
 def apart(base: FittedModel) -> tuple[int, ...]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 
@@ -32,8 +33,6 @@ class Differing(AsJson):
     `half_width` is that of the difference (95 % for all questions asked together), `share` what the difference explains
     of the recording's weighted squared error.
     """
-
-    JSON = "recording parameter=name value others half_width unit explained_share=share sentence"
 
     recording: str
     name: str
@@ -58,6 +57,12 @@ class Differing(AsJson):
             f"{self.recording}: {self.name} is {self.value:.3g} there, {self.others:.3g}{unit} in the others "
             f"(difference known to ± {self.half_width:.2g})"
         )
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "recording": self.recording, "parameter": self.name, "value": self.value, "others": self.others,
+            "half_width": self.half_width, "unit": self.unit, "explained_share": self.share, "sentence": self.sentence,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,13 +20,14 @@ from exoid.symbolic.motion import Float
 class ModelError(AsJson):
     """An error beyond the noise: how many `times` the noise it is at `joint`, in words, and what to do about it."""
 
-    JSON = "joint times_noise=times repeating sentence"
-
     joint: str
     times: float
     sentence: str
     advice: str
     repeating: float | None = None
+
+    def _json(self) -> dict[str, Any]:
+        return {"joint": self.joint, "times_noise": self.times, "repeating": self.repeating, "sentence": self.sentence}
 
 
 def sensor_noise(prepared: Prepared) -> Float:

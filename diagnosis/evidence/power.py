@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -42,8 +43,6 @@ class Power(AsJson):
     is, `usual`, both in `unit`; infinite where they show nothing of it.
     """
 
-    JSON = "effect joint parameter smallest usual unit would_show"
-
     effect: str
     joint: str | None
     parameter: str
@@ -60,6 +59,12 @@ class Power(AsJson):
     def would_show(self) -> bool:
         """Whether an effect of the usual size would have been accepted."""
         return self.smallest <= self.usual
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "effect": self.effect, "joint": self.joint, "parameter": self.parameter, "smallest": self.smallest,
+            "usual": self.usual, "unit": self.unit, "would_show": self.would_show,
+        }  # fmt: skip
 
 
 def power_of(

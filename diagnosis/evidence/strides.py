@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,11 +31,6 @@ class Strides(AsJson):
     stride, that of the model, and the error with its own, N·m; NaN where nothing was used. `again` (J,) is the share of
     the error's power that comes again in every stride.
     """
-
-    JSON = (
-        "count seconds shortest longest joint middle stance again apart error_apart phase measured measured_band model "
-        "error error_band sentence"
-    )
 
     count: int
     seconds: float
@@ -86,6 +81,15 @@ class Strides(AsJson):
         """Draw measured torque, model and error over the stride: means, and bands of one standard deviation."""
         lines = (self.measured, self.measured_band, self.model, self.error, self.error_band)
         return over_the_stride(self.phase, *lines, self.joints, self.stance)
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "count": self.count, "seconds": self.seconds, "shortest": self.shortest, "longest": self.longest,
+            "joint": self.joint, "middle": self.middle, "stance": self.stance, "again": self.again,
+            "apart": self.apart, "error_apart": self.error_apart, "phase": self.phase, "measured": self.measured,
+            "measured_band": self.measured_band, "model": self.model, "error": self.error,
+            "error_band": self.error_band, "sentence": self.sentence,
+        }  # fmt: skip
 
 
 def strides_of(fitted: FittedModel) -> Strides | None:

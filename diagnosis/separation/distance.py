@@ -15,6 +15,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,8 +51,6 @@ class Rival(AsJson):
     whence.
     """
 
-    JSON = "name numbers=own source"
-
     name: str
     model: Model
     linear: Float
@@ -70,6 +69,9 @@ class Rival(AsJson):
         """The rival and its own numbers in words."""
         numbers = ", ".join(f"{name.rpartition('.')[2]} = {value:.3g}" for name, value in self.own.items())
         return f"assumed: {self.name} with {numbers} ({self.source})"
+
+    def _json(self) -> dict[str, Any]:
+        return {"name": self.name, "numbers": self.own, "source": self.source}
 
 
 def planned(

@@ -41,11 +41,6 @@ class Separation(AsJson):
     as the design. `same` are rivals that no motion can distinguish, with what else would.
     """
 
-    JSON = (
-        "separable smallest sentence rivals present_seconds never=same limits=uses noise duration needed cutoff seed "
-        "seconds"
-    )
-
     model: Model
     rivals: tuple[Rival, ...]
     same: tuple[Same, ...]
@@ -139,6 +134,14 @@ class Separation(AsJson):
             [limit.angle for limit in self.model.motion_limits.values()],
             self.model.joints,
         )
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "separable": self.separable, "smallest": self.smallest, "sentence": self.sentence, "rivals": self.rivals,
+            "present_seconds": self.present_seconds, "never": self.same, "limits": self.uses, "noise": self.noise,
+            "duration": self.duration, "needed": self.needed, "cutoff": self.cutoff, "seed": self.seed,
+            "seconds": self.seconds,
+        }  # fmt: skip
 
 
 def _rows(distances: Apart) -> list[dict[str, Any]]:

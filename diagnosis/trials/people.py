@@ -20,8 +20,8 @@ import numpy as np
 from exoid.measurement.bench.simulation import Bench, BenchRun
 from exoid.measurement.bench.walk import Walk
 from exoid.measurement.bench.wearer import Wearer
-from exoid.measurement.reading.selection import swings
 from exoid.measurement.recording import Recording
+from exoid.measurement.selection import swings
 
 
 def _walk(rng: np.random.Generator) -> Bench:

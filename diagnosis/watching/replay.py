@@ -40,8 +40,6 @@ class Replay(AsJson):
     `values`, `low` and `high` (K, P) are the numbers and their 95 % intervals at times `t` (K,) s.
     """
 
-    JSON = "events t numbers until"
-
     events: tuple[Event, ...]
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -74,6 +72,9 @@ class Replay(AsJson):
         """Draw every number over time with its interval, and when something changed."""
         marks = [(one.since.low, one.since.high, one.t) for one in self.events if one.since is not None]
         return numbers_figure(self.t, self.names, self.units, self.values, self.low, self.high, marks)
+
+    def _json(self) -> dict[str, Any]:
+        return {"events": self.events, "t": self.t, "numbers": self.numbers, "until": self.until}
 
 
 @dataclass(eq=False)

@@ -10,7 +10,9 @@ import numpy as np
 
 from exoid.diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, Samples, poles
 from exoid.ground.thresholds import Threshold
-from exoid.optimisation.preparation.prepare import CutoffChoice, Prepared, PreparedRecording
+from exoid.optimisation.preparation.cutoff import CutoffChoice
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion

@@ -38,14 +38,15 @@ class Followed(AsJson):
     of what is left to the feedback, `effort` (J,) N·m RMS of the whole torque; `t` (N,) s and `course` (N, J) rad.
     """
 
-    JSON = "tracking_rms=error feedback_rms=feedback torque_rms=effort"
-
     name: str
     error: Float
     feedback: Float
     effort: Float
     t: Float
     course: Float
+
+    def _json(self) -> dict[str, Any]:
+        return {"tracking_rms": self.error, "feedback_rms": self.feedback, "torque_rms": self.effort}
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,8 +31,8 @@ from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.sway import ACCELERATION_NOISE, base_motion
 from exoid.measurement.bench.walk import Gait, Walk
 from exoid.measurement.bench.wearer import Wearer, borne, pushed_leg, pushes, recorded, sensed, switch
-from exoid.measurement.reading.selection import swings
 from exoid.measurement.recording import Recording
+from exoid.measurement.selection import swings
 from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.joints import is_leg

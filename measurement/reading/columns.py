@@ -13,8 +13,7 @@ import numpy as np
 
 from exoid.ground.errors import RecordingError
 from exoid.ground.suggest import nearest
-from exoid.measurement.reading.mapped import DIMENSIONLESS, listed, mapped, numbered
-from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
 from exoid.measurement.reading.raw import RawColumn, RawTable

@@ -66,7 +66,7 @@ def _version_4(data: memoryview, budget: Budget) -> None:
 
 
 def _version_5(data: memoryview, budget: Budget) -> None:
-    order = "<" if data[126:128] == b"IM" else ">"
+    order = "<" if bytes(data[126:128]) == b"IM" else ">"
     offset, starts = struct.unpack(f"{order}Q", data[SUBSYSTEM_OFFSET])[0], set()
     at = HEADER
     while at + 8 <= len(data):
@@ -87,7 +87,7 @@ def _variable(data: memoryview, at: int, order: str, budget: Budget) -> int:
         budget.take(size, "a variable")
         if kind == MATRIX:
             _array(data[begin:end], order, budget, 0)
-        return end
+        return int(end)
     unpack, plain, most = zlib.decompressobj(), bytearray(), 8
     for k in range(begin, end, 1 << 16):
         piece: bytes | memoryview = data[k : min(end, k + (1 << 16))]
@@ -102,7 +102,7 @@ def _variable(data: memoryview, at: int, order: str, budget: Budget) -> int:
         raise Unsound("a packed variable is longer than what it unpacks to")
     if kind == MATRIX:
         _array(memoryview(plain)[8:], order, budget, 0)
-    return end
+    return int(end)
 
 
 def _element(data: memoryview, at: int, order: str) -> tuple[int, memoryview, int]:
@@ -194,7 +194,7 @@ def _rest(data: memoryview, at: int, order: str, budget: Budget, depth: int) -> 
 
 def _subsystem(data: memoryview, budget: Budget) -> None:
     """Look at a file within the file, in which MATLAB keeps objects."""
-    order, at = "<" if data[2:4] == b"IM" else ">", 8
+    order, at = "<" if bytes(data[2:4]) == b"IM" else ">", 8
     while at + 8 <= len(data):
         kind, content, at = _element(data, at, order)
         budget.take(len(content), "an object")

@@ -1,5 +1,7 @@
 """Read a recording: find the format, name the columns, mend what can be mended safely, audit, or refuse.
 
+`_finished` goes the way of every file: names, clock, repair, and then what the samples as a whole say of the channels.
+
 The file itself is only ever opened for reading.
 """
 
@@ -18,20 +20,21 @@ from exoid.ground.inputs import open_input
 from exoid.ground.progress import Progress
 from exoid.ground.text import printable
 from exoid.measurement.auditing.audit import audit
+from exoid.measurement.auditing.degrees import read_degrees
+from exoid.measurement.auditing.unusable import mask_unusable, without_rounding
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.columns import assign, inferred, legs
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.reading.frames import table_from
 from exoid.measurement.reading.join import joined_pieces
 from exoid.measurement.reading.large import in_stretches
+from exoid.measurement.reading.made_times import join_split
 from exoid.measurement.reading.mapping import FILE, StatedMapping, remembered
 from exoid.measurement.reading.raw import RawTable
-from exoid.measurement.reading.repair import repaired
-from exoid.measurement.reading.selection import selected
+from exoid.measurement.reading.repair import as_recording, on_one_clock
 from exoid.measurement.reading.sources import digest, expand, find_formats, folder_of, opened
-from exoid.measurement.reading.split_stamps import join_split
-from exoid.measurement.reading.unusable import mask_unusable
 from exoid.measurement.recording import Recording, Source
+from exoid.measurement.selection import selected
 from exoid.symbolic.joints import LEG, Joint
 
 Joined = str | Path | tuple[str | Path, float | None]
@@ -74,7 +77,7 @@ def read_recording(
     files of the same trial with clocks of their own, or pairs (file, what its clock reads more in s); see
     `exoid.measurement.reading.join`. `only` ("contact == 0") says of which rows the torques are explained; unless it is
     given, those of stance are left out where a column says when the foot is on the ground and none what the ground does
-    (`exoid.measurement.reading.selection`). `passive` are joints that had no drive: their torque is zero and needs no
+    (`exoid.measurement.selection`). `passive` are joints that had no drive: their torque is zero and needs no
     column. `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the
     machine (`model.joints`); None means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises
     RecordingError for anything that cannot be used, with the place and the remedy.
@@ -249,8 +252,10 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     joints = machine or (LEG if told.columns else inferred(table))
     where = origin.path or name
     assigned = assign(table, told, where=where, joints=joints)
-    recording = repaired(table, assigned, name=name, source=origin, joints=joints).with_passive(*told.passive)
-    recording = selected(read_as(mask_unusable(recording), told.convention), table, told.only)
+    draft = read_degrees(on_one_clock(table, assigned, origin, name, joints), assigned)
+    recording = as_recording(draft, origin, name).with_passive(*told.passive)
+    recording = read_as(mask_unusable(without_rounding(recording)), told.convention)
+    recording = selected(recording, table, told.only)
     recording = recording.with_findings(audit(recording))
     refuse(recording.findings)
     return recording

@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.ground.errors import RecordingError
-from exoid.measurement.auditing.checks.motion import NONE
 from exoid.measurement.finding import row_ranges
 from exoid.measurement.reading import angles, clock
 from exoid.measurement.reading.columns import Assigned
-from exoid.measurement.reading.degrees import read_degrees
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.limits import credible
 from exoid.measurement.reading.names import kind_of, recognise
@@ -37,21 +35,20 @@ UNUSED = "none: the rows do not enter the fit"
 ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
 
 
-def repaired(
-    table: RawTable,
-    assigned: Mapping[str, Assigned],
-    *,
-    name: str,
-    source: Source,
-    joints: tuple[Joint, ...] = LEG,
-) -> Recording:
-    """Return the recording of `joints` in `table`; raises RecordingError when too little of it can be used."""
-    draft = _start(table, assigned, source, name, joints)
-    draft = _without_rounding(_mask_cells(draft, assigned))
-    draft = _order_time(draft)
-    draft = read_degrees(_clock_unit(draft), assigned)
+def on_one_clock(
+    table: RawTable, assigned: Mapping[str, Assigned], source: Source, name: str, joints: tuple[Joint, ...] = LEG
+) -> Draft:
+    """Return the columns of `joints` in SI units over a time that runs forwards; RecordingError when too little can be
+    used.
+    """
+    draft = _mask_cells(_start(table, assigned, source, name, joints), assigned)
+    return _clock_unit(_order_time(draft))
+
+
+def as_recording(draft: Draft, source: Source, name: str) -> Recording:
+    """Return the recording, with angles whose jumps and spikes are mended."""
     draft = _angles(draft)
-    columns = draft.columns
+    columns, joints = draft.columns, draft.joints
     pairs: dict[str, Any] = {
         field: np.column_stack([columns[f"{key}{k + 1}"] for k in range(len(joints))])
         for field, key in (("q", "q"), ("tau", "tau"), ("dq", "dq"), ("ddq", "ddq"))
@@ -169,20 +166,6 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
         draft = draft.mended("cells", f"{what}; {said}", bad, remedy, shown, consequence=used)
     if draft.valid.sum() < 10:
         raise RecordingError(f"only {int(draft.valid.sum())} usable rows", where=draft.file, remedy=ENOUGH)
-    return replace(draft, columns=columns)
-
-
-def _without_rounding(draft: Draft) -> Draft:
-    """Read a torque that is nothing but rounding (1e-149 N·m) as the zero that it stands for, and say so."""
-    columns = dict(draft.columns)
-    torques = [columns[f"tau{k + 1}"] for k in range(len(draft.joints))]
-    largest = [float(np.max(np.abs(tau), where=draft.valid, initial=0.0)) for tau in torques]
-    for k, (joint, most) in enumerate(zip(draft.joints, largest, strict=True)):
-        name = f"tau{k + 1}"
-        if 0.0 < most <= NONE < max(largest):  # where all are, the audit refuses them as they stand
-            columns[name] = np.where(draft.valid, 0.0, columns[name])
-            what = f"{name} never exceeds {most:.3g} {joint.unit('tau')}, which is rounding: it is read as zero"
-            draft = draft.noted("motion", "repaired", what, remedy=f"is this the right column? --map {name}=COLUMN")
     return replace(draft, columns=columns)
 
 

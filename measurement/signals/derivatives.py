@@ -149,7 +149,7 @@ def _averaged(rest: Float, width: int) -> Float:
     """Return the RMS (J,) of `rest` (N, J) after means over `width` samples."""
     count = len(rest) // width
     if count == 0:
-        return np.sqrt(np.mean(rest**2, axis=0))
+        return np.asarray(np.sqrt(np.mean(rest**2, axis=0)))
     blocks = rest[: count * width].reshape(count, width, -1).mean(axis=1)
     return np.asarray(np.sqrt(np.mean(blocks**2, axis=0)))
 

@@ -73,7 +73,7 @@ def spikes_beside(tau: Float, known: Float, rate: float, missing: Mask, *, avera
     """Return the spikes (N, J) of torques `tau`, judged by what the torque `known` of a model leaves of them; what is
     constant has none, whatever a model says. `averaged` are means of samples judged before.
     """
-    return spikes(tau - known, rate, missing, averaged=averaged) & (np.ptp(tau, axis=0) > 0.0)
+    return np.asarray(spikes(tau - known, rate, missing, averaged=averaged) & (np.ptp(tau, axis=0) > 0.0))
 
 
 def without_spikes(x: Float, rate: float) -> Float:

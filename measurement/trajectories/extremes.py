@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -51,8 +52,6 @@ def margin(harmonics: int, grid: int) -> float:
 class Use(AsJson):
     """What a motion makes of one limit: `low` to `high` can be reached at no time beyond, `limit` is (low, high)."""
 
-    JSON = "* unit holds"
-
     joint: str
     quantity: str
     low: float
@@ -74,6 +73,9 @@ class Use(AsJson):
     def holds(self) -> bool:
         """Whether the limit is proven to hold at all times."""
         return self.share <= 1.0 + 1e-12
+
+    def _json(self) -> dict[str, Any]:
+        return {**super()._json(), "unit": self.unit, "holds": self.holds}
 
 
 def uses(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1, grid: int = FINE) -> tuple[Use, ...]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -26,8 +27,6 @@ LEVEL = 0.95
 class Runtime(AsJson):
     """Expected running time `ert` to `target` in evaluations, with its interval; `hits` of `runs` came there."""
 
-    JSON = "* success"
-
     target: float
     ert: float
     low: float
@@ -39,6 +38,9 @@ class Runtime(AsJson):
     def success(self) -> float:
         """Share of the runs that came to the target."""
         return self.hits / self.runs
+
+    def _json(self) -> dict[str, Any]:
+        return {**super()._json(), "success": self.success}
 
 
 @dataclass(frozen=True)

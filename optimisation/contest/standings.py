@@ -37,12 +37,6 @@ REFERENCES = ("nfo_whitened", "nfo")
 class Rivals(AsJson):
     """All runs: `outcomes` {name: one Outcome per seed}; `resumed` of them were on disk already."""
 
-    JSON = (
-        "problem=contest.name individuals=contest.individuals generations=contest.generations seeds "
-        "delta=contest.delta optimum=contest.best goal=contest.goal certificate=contest.certificate about=_about "
-        "reference optimisers=_optimisers differences resumed seconds"
-    )
-
     contest: ContestSubject
     searches: Mapping[str, Search]
     outcomes: Mapping[str, tuple[Outcome, ...]] = field(repr=False)
@@ -183,3 +177,12 @@ class Rivals(AsJson):
             "Middle: share of runs and targets solved. Right: expected running time to each target."
         )
         return [("How near, how fast", alt, self.plot())]
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "problem": self.contest.name, "individuals": self.contest.individuals,
+            "generations": self.contest.generations, "seeds": self.seeds, "delta": self.contest.delta,
+            "optimum": self.contest.best, "goal": self.contest.goal, "certificate": self.contest.certificate,
+            "about": self._about, "reference": self.reference, "optimisers": self._optimisers,
+            "differences": self.differences, "resumed": self.resumed, "seconds": self.seconds,
+        }  # fmt: skip

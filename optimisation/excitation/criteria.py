@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -37,8 +38,6 @@ LEAST_NOISE, MOST_NOISE = 1e-6, 1e6
 @dataclass(frozen=True, eq=False)
 class Noise(AsJson):
     """Torque noise: `sd` (J,) N·m of a sample, `per_second` (J,) independent samples, and where this is known from."""
-
-    JSON = "sd independent_per_second=per_second source"
 
     sd: Float
     per_second: Float
@@ -82,6 +81,9 @@ class Noise(AsJson):
         )
         return f"{parts} ({self.source})"
 
+    def _json(self) -> dict[str, Any]:
+        return {"sd": self.sd, "independent_per_second": self.per_second, "source": self.source}
+
 
 def eigenvalues(gram: Float) -> Float:
     """Return the eigenvalues (I, M) of Σ_j G_j for `gram` (I, J, M, M), ascending, not below a tiny number."""
@@ -96,7 +98,7 @@ def condition(gram: Float) -> Float:
 
 def fisher(gram: Float, noise: Noise, duration: float) -> Float:
     """Return the information F (I, M, M) of `duration` s of the motion."""
-    return np.einsum("ijpr,j->ipr", gram, noise.weight * duration)
+    return np.asarray(np.einsum("ijpr,j->ipr", gram, noise.weight * duration))
 
 
 def log_det(information: Float) -> Float:
@@ -112,7 +114,7 @@ def deviations(information: Float) -> Float:
     lost = values <= LOST * values[:, -1:]
     spread = np.einsum("ipk,ik->ip", axes**2, np.where(lost, 0.0, 1.0 / np.maximum(values, TINY)))
     blind = np.einsum("ipk,ik->ip", axes**2, lost.astype(float)) > 1e-9
-    return np.where(blind, np.inf, np.sqrt(spread)) / scale
+    return np.asarray(np.where(blind, np.inf, np.sqrt(spread)) / scale)
 
 
 def softened(gram: Float, power: float = 4.0) -> Float:
@@ -120,7 +122,7 @@ def softened(gram: Float, power: float = 4.0) -> Float:
     logs = np.log(eigenvalues(gram))
     above = np.log(np.sum(np.exp(power * (logs - logs[:, -1:])), axis=1)) / power + logs[:, -1]
     below = np.log(np.sum(np.exp(-power * (logs - logs[:, :1])), axis=1)) / power - logs[:, 0]
-    return above + below
+    return np.asarray(above + below)
 
 
 @dataclass(frozen=True, eq=False)

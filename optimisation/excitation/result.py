@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from exoid.ground.frames import pandas
-from exoid.ground.plain import AsJson
+from exoid.ground.plain import AsJson, by_name
 from exoid.ground.ties import least_of
 from exoid.measurement.trajectories.extremes import Use
 from exoid.measurement.trajectories.trajectory import Fourier
@@ -36,14 +36,18 @@ MEANING = {
 class DesignedMotion(AsJson):
     """A motion that a search ended with: its criterion `value`, `evaluations` (IPOPT: iterations), its last word."""
 
-    JSON = "name value evaluations seconds status"
-
     name: str
     trajectory: Fourier
     value: float
     evaluations: int
     seconds: float
     status: str
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "name": self.name, "value": self.value, "evaluations": self.evaluations, "seconds": self.seconds,
+            "status": self.status,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -69,11 +73,6 @@ class Excitation(AsJson):
     share of time in which a joint is slow enough to stick, `condition_moving` is cond(Ȳ) without it.
     """
 
-    JSON = (
-        "model=model.name criterion value condition condition_moving creeping log_det chosen best_known feasible "
-        "trajectory=_content candidates limits=uses precision{} noise duration numbers offsets rest seed cautions "
-        "seconds"
-    )
     best_known: ClassVar[bool] = True
 
     model: Model
@@ -150,3 +149,14 @@ class Excitation(AsJson):
             self.trajectory.at(np.linspace(0.0, self.trajectory.period, POINTS)),
             {(use.joint, use.quantity): use.limit for use in self.uses},
         )
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "model": self.model.name, "criterion": self.criterion, "value": self.value, "condition": self.condition,
+            "condition_moving": self.condition_moving, "creeping": self.creeping, "log_det": self.log_det,
+            "chosen": self.chosen, "best_known": self.best_known, "feasible": self.feasible,
+            "trajectory": self._content, "candidates": self.candidates, "limits": self.uses,
+            "precision": by_name(self.precision), "noise": self.noise, "duration": self.duration,
+            "numbers": self.numbers, "offsets": self.offsets, "rest": self.rest, "seed": self.seed,
+            "cautions": self.cautions, "seconds": self.seconds,
+        }  # fmt: skip

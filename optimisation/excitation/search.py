@@ -218,7 +218,7 @@ class MotionSearch:
             edge = self._edge(BOX_HALF_WIDTH)
 
             def placed(z: Float) -> Float:
-                return np.clip(best + z @ axes.T, -edge, edge)
+                return np.asarray(np.clip(best + z @ axes.T, -edge, edge))
 
             near = NEAR * rng.normal(size=x.shape)
             near[0] = 0.0
@@ -325,4 +325,4 @@ def _whitening(function: Callable[[Float], Float], at: Float) -> Float:
     largest_part = np.argmax(tied(-np.abs(axes), axis=0), axis=0)
     axes *= np.sign(axes[largest_part, np.arange(size)])
     largest = np.abs(size_of).max()
-    return axes / np.sqrt(np.maximum(np.abs(size_of), FLAT * largest if largest > 0.0 else 1.0))
+    return np.asarray(axes / np.sqrt(np.maximum(np.abs(size_of), FLAT * largest if largest > 0.0 else 1.0)))

@@ -65,7 +65,7 @@ class MotionSettings(VerbSettings):
     rest: bool = setting(False, "start and end at rest: no velocity, no acceleration")
     use: float = setting(1.0, "share of the limits that may be used; 0.9 leaves room for tracking errors")
     noise: Noise | None = setting(None, "standard deviation of a torque sample; without it, that of the bench")
-    numbers: Numbers | None = setting(None, "identified numbers of the model; without them, typical sizes")
+    numbers: Numbers | None = setting(None, "identified parameters of the model; without them, typical sizes")
     duration: float = setting(DURATION, "length of the recording", 0.1, 1e7, "s")
     generations: int = setting(400, "generations of the search", 0, 100_000)
 
@@ -77,7 +77,7 @@ class MotionSettings(VerbSettings):
 
 @dataclass(frozen=True, kw_only=True)
 class DesignSettings(MotionSettings):
-    """A motion that tells as much as possible about a model's numbers."""
+    """A motion that tells as much as possible about a model's parameters."""
 
     criterion: str = setting(
         "condition",

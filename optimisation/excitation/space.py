@@ -47,7 +47,7 @@ class MotionSpace:
     @property
     def size(self) -> int:
         """How many numbers the search has."""
-        return self.basis.shape[0] * self.basis.shape[2] + (len(self.limits) if self.centre is None else 0)
+        return int(self.basis.shape[0] * self.basis.shape[2] + (len(self.limits) if self.centre is None else 0))
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -48,7 +48,7 @@ def own_numbers(model: Model) -> list[Finding]:
     """Return that a wearer is taken off the numbers, where one is known."""
     if model.wearer is None:
         return []
-    what = f"the numbers are those of the machine alone: the limb of a wearer ({model.wearer}; {TABLE}) is taken off"
+    what = f"the parameters are those of the machine alone: the limb of a wearer ({model.wearer}; {TABLE}) is taken off"
     consequence = "how far persons differ from the table is in the intervals"
     return [Finding("wearer", "info", what, model.name, consequence=consequence)]
 

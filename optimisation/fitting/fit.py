@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, table
-from exoid.ground.plain import AsJson
+from exoid.ground.plain import AsJson, by_name
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.plots import fit_figure
 from exoid.optimisation.linear.certificate import Certificate
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 class FitStage(AsJson):
     """One of the two stages ("sse", "huber"): parameters, loss, the optimisers' runs, IPOPT, the proof."""
 
-    JSON = "kind parameters=linear shape delta loss runs reference certificate"
-
     kind: str
     linear: Float
     shape: Float
@@ -42,6 +40,12 @@ class FitStage(AsJson):
     runs: Mapping[str, OptimiserRun]
     reference: Reference | None
     certificate: Certificate
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "kind": self.kind, "parameters": self.linear, "shape": self.shape, "delta": self.delta, "loss": self.loss,
+            "runs": self.runs, "reference": self.reference, "certificate": self.certificate,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +60,6 @@ class Fit(AsJson):
     asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there were.
     `spacing`: s between samples.
     """
-
-    JSON = (
-        "model=model.name recordings joints=joint_names parameters=estimates{} delta rms loss best_known "
-        "starts_agreeing=agreeing runs reference certificate sse plausibility physical=held seconds"
-    )
 
     INSTEAD: ClassVar[Mapping[str, str]] = {"parameters": "fit.estimates, fit.to_frame(), fit.to_json()['parameters']"}
 
@@ -169,3 +168,12 @@ class Fit(AsJson):
             optimum=self.certificate.primal,
             tolerance=self.certificate.tolerance,
         )
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "model": self.model.name, "recordings": self.recordings, "joints": self.joint_names,
+            "parameters": by_name(self.estimates), "delta": self.delta, "rms": self.rms, "loss": self.loss,
+            "best_known": self.best_known, "starts_agreeing": self.agreeing, "runs": self.runs,
+            "reference": self.reference, "certificate": self.certificate, "sse": self.sse,
+            "plausibility": self.plausibility, "physical": self.held, "seconds": self.seconds,
+        }  # fmt: skip

@@ -33,9 +33,9 @@ def nominal(model: Model, numbers: Numbers | None = None) -> Nominal:
     if not known:
         source = f"the virtual bench's {'machine' if model.chain else 'standard leg'}, effects at their typical size"
     elif known == wanted:
-        source = "the model file's identified numbers"
+        source = "the model file's identified parameters"
     else:
-        source = "the model file's identified numbers, typical ones where it has none"
+        source = "the model file's identified parameters, typical ones where it has none"
     return Nominal(np.array(values, dtype=float), np.array(shapes, dtype=float), source)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -40,8 +40,6 @@ class ThighLength(AsJson):
     `high` is infinite where the data set no limit. `gain` (J,) is the share by which a free length lowers the squared
     error.
     """
-
-    JSON = "assumed value low high told wrong sentence"
 
     assumed: float
     value: float
@@ -86,6 +84,12 @@ class ThighLength(AsJson):
             consequence="Φ1 to Φ4 and every torque of weight are wrong" if self.wrong else "",
             confidence="likely" if self.wrong else "certain",
         )
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "assumed": self.assumed, "value": self.value, "low": self.low, "high": self.high, "told": self.told,
+            "wrong": self.wrong, "sentence": self.sentence,
+        }  # fmt: skip
 
 
 def has_a_length(model: Model, prepared: Prepared) -> bool:
@@ -137,7 +141,7 @@ def _data(fit: Fit, extra: Float, name: str) -> LinearData:
 def _shifted(area: Float, e: float) -> Float:
     """Return the covariance (2, 2) of (coupling, weight) from that of (coupling, weight - e coupling)."""
     turn = np.array([[1.0, 0.0], [e, 1.0]])
-    return turn @ area @ turn.T
+    return np.asarray(turn @ area @ turn.T)
 
 
 def _fieller(coupling: float, weight: float, area: Float, gravity: float) -> tuple[float, float]:

@@ -43,8 +43,6 @@ class Certificate(AsJson):
     still explain. `holds` says whether the gap is at most `tolerance`. `scope` says for what it holds.
     """
 
-    JSON = "* holds"
-
     primal: float
     dual: float
     gap: float
@@ -61,6 +59,9 @@ class Certificate(AsJson):
     def __str__(self) -> str:
         word = "certified optimum" if self.holds else "NOT the optimum"
         return f"{word} ({self.scope}): relative gap {self.gap:.1e}, KKT residual {self.kkt:.1e}"
+
+    def _json(self) -> dict[str, Any]:
+        return {**super()._json(), "holds": self.holds}
 
 
 def certify(

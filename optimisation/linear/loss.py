@@ -42,4 +42,4 @@ def delta_rule(residual: Float, share: float = OUTLIER_SHARE, use: Bool | None =
     usable = np.ones(size.shape, dtype=bool) if use is None else use
     delta = np.array([np.quantile(s[u], 1.0 - share) if u.any() else 0.0 for s, u in zip(size, usable, strict=True)])
     floor = 1e-9 * max(1.0, float(size.max(initial=0.0)))
-    return np.maximum(delta, floor)
+    return np.asarray(np.maximum(delta, floor))

@@ -244,11 +244,12 @@ class Held(AsJson):
     `cost` is the relative rise of the loss; 0 where the free optimum was possible already.
     """
 
-    JSON = "violated=broken cost parameters_without=free"
-
     free: Mapping[str, float]
     broken: tuple[str, ...]
     cost: float
+
+    def _json(self) -> dict[str, Any]:
+        return {"violated": self.broken, "cost": self.cost, "parameters_without": self.free}
 
 
 def solve_physical(data: LinearData, delta: Float, possible: Physics, start: Float | None = None) -> Float:

@@ -112,7 +112,7 @@ class LinearData:
     def rms(self, linear: Float) -> Float:
         """Return the RMS residual of each joint (J,) over its usable samples, N·m."""
         square = np.sum(self.residual(linear) ** 2, axis=1)
-        return np.sqrt(square / np.maximum(self.use.sum(axis=1), 1))
+        return np.asarray(np.sqrt(square / np.maximum(self.use.sum(axis=1), 1)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,7 +73,7 @@ def _direction(basis: Float, inside: Bool, slope: Float) -> Float:
     outer = basis[~inside]
     curvature = np.eye(basis.shape[1]) - outer.T @ outer
     size, axes = np.linalg.eigh(curvature)
-    return axes @ ((axes.T @ slope) / np.maximum(size, 1e-6))
+    return np.asarray(axes @ ((axes.T @ slope) / np.maximum(size, 1e-6)))
 
 
 def _line_search(residual: Float, along: Float, limit: Float) -> float:

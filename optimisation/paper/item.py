@@ -26,8 +26,6 @@ class PaperItem(AsJson):
     `says`. `file` is the module that answers it.
     """
 
-    JSON = "kind numbers title says"
-
     kind: str
     numbers: tuple[str, ...]
     title: str
@@ -53,6 +51,9 @@ class PaperItem(AsJson):
         """The command that makes it."""
         return f"exoid paper --{self.kind} {self.numbers[0]}"
 
+    def _json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "numbers": self.numbers, "title": self.title, "says": self.says}
+
 
 @dataclass(frozen=True)
 class PaperTable(AsJson):
@@ -73,11 +74,12 @@ class PaperTable(AsJson):
 class PaperPicture(AsJson):
     """A figure and `alt`, the sentence that stands for it where it cannot be seen; `name` is a word for its file."""
 
-    JSON = "name alt"
-
     name: str
     alt: str
     figure: Figure
+
+    def _json(self) -> dict[str, Any]:
+        return {"name": self.name, "alt": self.alt}
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +88,6 @@ class ItemAnswer(AsJson):
 
     `text` is a formula, line by line.
     """
-
-    JSON = "found holds why text tables pictures"
 
     found: str
     holds: str
@@ -100,12 +100,16 @@ class ItemAnswer(AsJson):
         if (self.holds == HOLDS) == bool(self.why) or self.holds not in (HOLDS, IN_PART, FAILS, UNKNOWN):
             raise ValueError(f"{self.holds!r} because of {self.why!r}: what does not hold has a reason, and only that")
 
+    def _json(self) -> dict[str, Any]:
+        return {
+            "found": self.found, "holds": self.holds, "why": self.why, "text": self.text, "tables": self.tables,
+            "pictures": self.pictures,
+        }  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class Answered(AsJson):
     """An item with its answer."""
-
-    JSON = "item answer"
 
     item: PaperItem
     answer: ItemAnswer
@@ -121,6 +125,9 @@ class Answered(AsJson):
         answer = self.answer
         shown = "".join(html.table(table.head, table.rows, table.caption) for table in answer.tables)
         return html.lines(self.line) + (html.code(answer.text) if answer.text else "") + shown
+
+    def _json(self) -> dict[str, Any]:
+        return {"item": self.item, "answer": self.answer}
 
 
 def item_of(file: str, module: Any) -> PaperItem:

@@ -11,7 +11,7 @@ import importlib
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import ExoidError
 from exoid.ground.folder import modules_in
@@ -40,8 +40,6 @@ class PaperError(ExoidError):
 class Reproduced(AsJson):
     """What was made again, in the order of the paper's kinds; of `seeds` seeds from `seed` on."""
 
-    JSON = "items=answered seed seeds"
-
     answered: tuple[Answered, ...]
     seed: int
     seeds: int
@@ -64,6 +62,9 @@ class Reproduced(AsJson):
         """Return the same as a data frame."""
         columns = ["item", "says", "found", "holds", "why"]
         return pandas().DataFrame(self.rows(), columns=columns)
+
+    def _json(self) -> dict[str, Any]:
+        return {"items": self.answered, "seed": self.seed, "seeds": self.seeds}
 
 
 def paper_items() -> tuple[PaperItem, ...]:

@@ -91,7 +91,7 @@ def mechanism_figure() -> Figure:
 
 
 def _across(along: Float) -> Float:
-    return np.array([along[1], -along[0]]) / np.hypot(*along)
+    return np.asarray(np.array([along[1], -along[0]]) / np.hypot(*along))
 
 
 def _dimension(axes: Axes, start: Float, stop: Float, text: str, off: float) -> None:

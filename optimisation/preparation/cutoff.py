@@ -193,7 +193,7 @@ class _Trials:
             square = np.zeros(len(base.joints))
             for held, out in zip(_folds(data(k).groups), _folds(judge.groups), strict=True):
                 square += np.sum(_part(judge, out).residual(_fit(_part(data(k), ~held))) ** 2, axis=1)
-            return np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1))
+            return np.asarray(np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1)))
 
         def filter_decides(fastest: int) -> bool:
             wrong = torque_of_filter(base, beta, prepared(0))

@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from exoid.ground.thresholds import Threshold
-from exoid.measurement.auditing.checks.motion import NOTHING
+from exoid.measurement.auditing.channels import NOTHING
 from exoid.measurement.signals.bridging import Bridge, bridging
 from exoid.measurement.signals.butterworth import WaveProducts
 from exoid.measurement.signals.conditioning import (
@@ -248,7 +248,7 @@ class PreparedRecording:
     @property
     def t(self) -> Float:
         """Time of the kept samples (K,), s."""
-        return self.motion.t[self.kept]
+        return np.asarray(self.motion.t[self.kept])
 
     @property
     def kept_rate(self) -> float:
@@ -381,7 +381,7 @@ def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     span = even.span
     little = span < NOTHING * span.max()
     if not little.any():
-        return zero
+        return np.asarray(zero)
     varies = low_pass(even.despiked, cutoff, even.rate).std(axis=0)
     return np.asarray(zero | little & (varies <= LOADED * quiet_noise(even.despiked, even.rate, cutoff)))
 

@@ -31,7 +31,7 @@ def torque_noise(prepared: Sequence[PreparedRecording]) -> Float:
     """
     square = np.array([_own_noise(p) ** 2 for p in prepared])
     driven = np.array([p.driven for p in prepared])
-    return np.sqrt(np.sum(square, axis=0, where=driven) / np.maximum(driven.sum(axis=0), 1))
+    return np.asarray(np.sqrt(np.sum(square, axis=0, where=driven) / np.maximum(driven.sum(axis=0), 1)))
 
 
 def _own_noise(one: PreparedRecording) -> Float:

@@ -1,1 +1,1 @@
-"""A model's numbers sample by sample, in Python and in C, with intervals that hold while old samples are forgotten."""
+"""A model's parameters sample by sample, in Python and C, with intervals that hold while old samples are forgotten."""

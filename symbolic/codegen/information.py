@@ -129,7 +129,7 @@ class Information:
         out = np.zeros((joints, len(self.names), len(self.names)))
         if not self.pointwise:  # an operator's past cannot be cut into cells
             rows = self.sensitivities(Motion(self.times, q, dq, ddq))
-            return np.einsum("jnp,jnr->jpr", rows, rows) / self.grid
+            return np.asarray(np.einsum("jnp,jnr->jpr", rows, rows) / self.grid)
         for way in product((1.0, -1.0), repeat=joints):
             weight = 0.5**joints * np.prod(1.0 + np.array(way) * sign, axis=1)
             live = weight > 0.0
@@ -229,7 +229,7 @@ def largest_factor(swung: Float, speed: Float, pull: Float, centre: Float, limit
     rooms = np.array([high - centre, centre - low, fastest, strongest])
     uses = np.array([up, down, np.abs(speed).max(axis=0), np.abs(pull).max(axis=0)])
     ratio = np.maximum(rooms, 0.0) / np.maximum(uses, 1e-300)
-    return np.minimum(ratio.min(axis=0), 1e300)
+    return np.asarray(np.minimum(ratio.min(axis=0), 1e300))
 
 
 def _softer(

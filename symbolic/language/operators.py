@@ -67,7 +67,7 @@ def delay(t: Float, x: Float, d: Float | float) -> Float:
     """Return x as it was `d` seconds before (a negative d looks ahead)."""
     at, rows = np.broadcast_arrays(t - d, x)
     if rows.ndim == 1:
-        return np.interp(at, t, rows)
+        return np.asarray(np.interp(at, t, rows))
     return np.stack([np.interp(when, t, row) for when, row in zip(at, rows, strict=True)])
 
 

@@ -11,6 +11,7 @@ from tests.architecture.source import (
     ROOT,
     SOURCES,
     faults,
+    from_above,
     imported,
     layer_named,
     layer_of,
@@ -53,9 +54,20 @@ def test_there_is_something_to_look_at():
 def test_imports_point_down():
     def upwards(path):
         above = LAYERS[LAYERS.index(layer_of(path)) + 1 :]
-        return [module for module in modules_of(telling_nodes(path)) if layer_named(module) in above]
+        found = [module for module in modules_of(telling_nodes(path)) if layer_named(module) in above]
+        return [module for module in found if module not in from_above(path)]
 
     assert faults(SOURCES, upwards) == {}
+
+
+def test_reading_asks_what_the_samples_say_in_one_place():
+    """From file to recording it runs one way; what the audit knows is asked by `read.py`, after it."""
+    folder = ROOT / "measurement/reading"
+
+    def asked(path):
+        return [m for m in modules_of(telling_nodes(path)) if m.startswith("exoid.measurement.auditing")]
+
+    assert faults((p for p in SOURCES if folder in p.parents and p.name != "read.py"), asked) == {}
 
 
 def test_nothing_heavy_is_imported_at_the_top():

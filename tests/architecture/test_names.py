@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections import defaultdict
 from pathlib import PurePosixPath
 
-from tests.architecture.source import ROOT, SOURCES, tree_of
+from tests.architecture.source import ROOT, SOURCES, faults, tree_of
 
 PLUG_INS = {
     "workbench/commands": {"add_arguments", "run"},
@@ -40,3 +41,13 @@ def test_every_plug_in_name_is_used():
         trees = [tree_of(path) for path in SOURCES if path.parent == ROOT / folder]
         defined = [n.name for tree in trees for n in tree.body if isinstance(n, ast.FunctionDef)]
         assert all(defined.count(name) > 1 for name in names), folder
+
+
+def test_no_function_is_named_in_a_text():
+    """`"exoid.package.module:function"` is seen neither by a type checker nor by an editor that renames."""
+
+    def named(path):
+        texts = (node for node in ast.walk(tree_of(path)) if isinstance(node, ast.Constant))
+        return [text.value for text in texts if re.fullmatch(r"exoid(\.\w+)+:\w+", str(text.value))]
+
+    assert faults(SOURCES, named) == {}

@@ -115,7 +115,7 @@ def recordings() -> dict[str, bytes]:
 
 
 def read_both(path):
-    """A model file for what is in it, and for its identified numbers."""
+    """A model file for what is in it, and for its identified parameters."""
     read_model(path)
     read_numbers(path)
 

@@ -23,8 +23,8 @@ from exoid.workbench.campaign.plan import Job, Plan, read_plan
 from exoid.workbench.campaign.run import run_campaign
 from exoid.workbench.campaign.store import CampaignError, JobStore
 from exoid.workbench.campaign.table import flat, write_tables
-from exoid.workbench.campaign.work import row_of_events
 from exoid.workbench.command import main
+from exoid.workbench.watching.row import row_of_events
 
 ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "workbench" / "demo_data"

@@ -33,7 +33,7 @@ OF_THE_CORE = {"mpmath", "cycler", "markupsafe"}
 """What packages of the core bring: SymPy, matplotlib, Jinja2."""
 ANYWAY = {"rclpy", "sensor_msgs", "polars", "xarray", "pandas", "statsmodels", "pyarrow", "matio", "lz4"}
 """What is asked for and done without, or is handed over by who has it; tests of their own say how."""
-PAGE = ("workbench/page/app.py", "workbench/page/guard.py", "workbench/page/serve.py")
+PAGE = ("workbench/page/app.py", "workbench/page/guard.py", "workbench/page/reply.py", "workbench/page/serve.py")
 """Loaded by `exoid open` alone, after it has looked for what they import."""
 
 

@@ -6,13 +6,14 @@ import pytest
 
 from exoid.ground.errors import RecordingError
 from exoid.measurement.auditing.audit import audit
+from exoid.measurement.auditing.degrees import read_degrees
+from exoid.measurement.auditing.unusable import mask_unusable, without_rounding
 from exoid.measurement.bench.leg import random_leg
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.reading.columns import assign
 from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.raw import RawColumn, RawTable
-from exoid.measurement.reading.repair import repaired
-from exoid.measurement.reading.unusable import mask_unusable
+from exoid.measurement.reading.repair import as_recording, on_one_clock
 from exoid.measurement.recording import Source
 from exoid.symbolic.model import Model
 
@@ -32,8 +33,9 @@ def read(columns):
     """Return the recording in `columns` as a file of them would be read."""
     count = len(columns["t"])
     table = RawTable(tuple(RawColumn(k, np.array(v, dtype=float)) for k, v in columns.items()), np.arange(2, count + 2))
-    recording = repaired(table, assign(table, StatedMapping(), where="f"), name="f", source=Source("f", ""))
-    recording = mask_unusable(recording)
+    assigned, source = assign(table, StatedMapping(), where="f"), Source("f", "")
+    draft = read_degrees(on_one_clock(table, assigned, source, "f"), assigned)
+    recording = mask_unusable(without_rounding(as_recording(draft, source, "f")))
     return recording.with_findings(audit(recording))
 
 

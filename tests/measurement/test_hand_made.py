@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from tables import leg
 
 from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.made_times import join_split
 from exoid.measurement.reading.raw import RawColumn, RawTable, ungrouped
 from exoid.measurement.reading.read import read_recording
-from exoid.measurement.reading.split_stamps import join_split
 from exoid.measurement.reading.stamps import seconds
 
 LEG = leg()

@@ -12,7 +12,7 @@ from exoid.ground.errors import RecordingError
 from exoid.measurement import stance
 from exoid.measurement.finding import SELECTION
 from exoid.measurement.reading.read import read_recording
-from exoid.measurement.reading.selection import Condition, conditions
+from exoid.measurement.selection import Condition, conditions
 from exoid.symbolic.model import Model
 from tests.walking import on_the_ground, walked
 

@@ -17,7 +17,7 @@ import pytest
 
 from exoid.ground.errors import RecordingError
 from exoid.workbench.commands.demo import DATA
-from exoid.workbench.page.app import ACTIONS
+from exoid.workbench.page.app import actions
 from exoid.workbench.page.message import STEPS, obey, read_message
 from exoid.workbench.page.workspace import Workspace
 
@@ -56,7 +56,7 @@ def asked(server, path, body=None, method=None):
 
 def test_absurd_messages_are_refused_in_words(serve):
     server = serve()
-    for action in sorted(set(ACTIONS) - {"demo", "discover"}):
+    for action in sorted(set(actions()) - {"demo", "discover"}):
         for body in ABSURD:
             status, told = asked(server, f"/api/{action}", body)
             assert status == 200, (action, body[:80], told)
@@ -82,7 +82,7 @@ def test_steps_that_another_page_made_are_seen_before_they_are_built_upon(tmp_pa
     workspace = Workspace(tmp_path)
 
     def say(action, **told):
-        return obey(workspace, action, ACTIONS[action], told)
+        return obey(workspace, action, actions()[action], told)
 
     workspace.history = workspace.history.add("stribeck:hip", "stribeck:knee")
     say("undo", page="one", seen=0)

@@ -70,7 +70,7 @@ def test_virtual_work_and_newton_euler_ask_the_drives_for_the_same_on_a_tree(mov
     sign=st.sampled_from([1, -1]),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_place_and_gain_may_be_known_or_numbers_of_the_model(frame, link, at, gain, sign, seed):
     columns = ("x", "z") if frame == WORLD else ("x",)
     open_, known = (

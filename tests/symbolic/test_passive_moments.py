@@ -63,6 +63,7 @@ def test_a_wearer_brings_them():
     assert ids <= {*catalogue()} and not ids & {*catalogue(worn=False)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", MOMENTS)
 def test_they_are_found_where_the_model_has_a_wearer(moment):
     worn = LEG.with_wearer(mass=70.0, height=1.78)

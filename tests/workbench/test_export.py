@@ -206,7 +206,7 @@ def test_the_command_writes_all_formats_and_says_what_is_missing(tmp_path, capsy
     model = Model.standard()
     bare = write_model(model, tmp_path / "bare.toml")
     assert main(["export", str(bare), "--out", str(tmp_path / "no")]) == 2
-    assert "no identified numbers" in capsys.readouterr().err
+    assert "no identified parameters" in capsys.readouterr().err
     lines = "\n".join(
         f'"{p.name}" = {{ value = {v} }}' for p, v in zip(model.parameters, standard_leg().base, strict=True)
     )

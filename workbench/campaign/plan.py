@@ -34,12 +34,10 @@ from exoid.ground.errors import ModelFileError
 from exoid.ground.plain import AsJson
 from exoid.ground.suggest import did_you_mean
 from exoid.ground.toml_reader import Table, read_toml
+from exoid.workbench.campaign.verb import CampaignVerb
 
 BLIND = "blind"
-WATCH = "watch"
-"""The command that follows one recording at a time, and so has a job for each."""
-VERBS = ("compare", "diagnose", "discover", "identify", "rivals", WATCH)
-"""Commands that take recordings and answer in JSON."""
+"""Simulated legs in place of recordings; asked of `discover`."""
 LARGEST_PLAN = 1_000_000
 FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
@@ -55,8 +53,6 @@ class Job(AsJson):
     `model` is the path of a model file or None, `options` the command's own, `case` the name of a simulated leg.
     """
 
-    JSON = "name verb fields recordings verify model options seed"
-
     name: str
     verb: str
     fields: Mapping[str, str]
@@ -66,6 +62,12 @@ class Job(AsJson):
     options: tuple[str, ...] = ()
     seed: int = 0
     case: str | None = None
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "name": self.name, "verb": self.verb, "fields": self.fields, "recordings": self.recordings,
+            "verify": self.verify, "model": self.model, "options": self.options, "seed": self.seed,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ def read_plan(path: str | Path) -> Plan:
         "blind",
     )  # fmt: skip
     verb = top.text("verb", "discover")
-    known = (*VERBS, BLIND)
+    known = (*_askable(), BLIND)
     if verb not in known:
         remedy = did_you_mean(verb, known) or f"use one of {', '.join(known)}"
         raise top.error("verb", f"{verb!r} cannot be asked about groups of recordings", remedy)
@@ -107,6 +109,21 @@ def read_plan(path: str | Path) -> Plan:
     device = _named_field(top, "device", fields, fields[0] if fields else None)
     date = _named_field(top, "date", fields, "date" if "date" in fields else None)
     return Plan(name, verb, jobs, fields, device, date, timeout, reports, notes)
+
+
+def campaign_verb(verb: str) -> CampaignVerb:
+    """Return how a campaign asks the command."""
+    from exoid.workbench.command import load_verb
+
+    found: CampaignVerb = load_verb(verb).IN_CAMPAIGNS
+    return found
+
+
+def _askable() -> list[str]:
+    """Return the commands that can be asked."""
+    from exoid.workbench.command import find_verbs, load_verb
+
+    return [verb for verb in find_verbs() if hasattr(load_verb(verb), "IN_CAMPAIGNS")]
 
 
 def _named_field(top: Table, key: str, fields: Sequence[str], default: str | None) -> str | None:
@@ -136,13 +153,14 @@ def _recorded_jobs(
     if not found:
         place = os.path.realpath(base)
         raise top.error("files", "no recording matches this pattern", f"it is looked for below {place}")
-    group = names if verb == WATCH else names[:-1]
+    alone = campaign_verb(verb).alone
+    group = names if alone else names[:-1]
     if "group" in top.values:
         group = tuple(_texts(top, "group", top.values["group"]))
     for name in group:
         _known(top, "group", name, "files", names)
-    if verb == WATCH and "verify" in top.values:
-        raise top.error("verify", "watch holds no recording out", "leave verify out")
+    if alone and "verify" in top.values:
+        raise top.error("verify", f"{verb} holds no recording out", "leave verify out")
     held_out = _held_out(top, names)
     options = _options(top, verb)
     model = top.text("model", "") or None
@@ -154,8 +172,8 @@ def _recorded_jobs(
         unseen = {path for path, values in members if held_out(values, members)}
         fitted = [str(path) for path, _ in members if path not in unseen]
         label = "/".join(key) or Path(pattern).parent.name or "all"
-        if verb == WATCH and len(members) > 1:
-            what = f"watch follows one recording at a time, and {label!r} has {len(members)}"
+        if alone and len(members) > 1:
+            what = f"{verb} follows one recording at a time, and {label!r} has {len(members)}"
             raise top.error(
                 "group", what, "give group every field of files, and files a field for every part that varies"
             )
@@ -240,7 +258,7 @@ def _options(top: Table, verb: str) -> tuple[str, ...]:
                 raise table.error(key, f"{key} is neither text nor number", "write it as on the command line")
             words.append(f"{name}={one}")
     try:
-        verb_parser(verb).parse([*words, *(["standard"] if verb == WATCH else []), "recording.csv"])
+        verb_parser(verb).parse([*words, *campaign_verb(verb).words(None, ["recording.csv"])])
     except ExoidError as error:
         raise PlanError(error.what, where=table.place(), remedy=error.remedy) from error
     return tuple(words)

@@ -44,8 +44,6 @@ class Campaign(AsJson):
     `kept` jobs were there already, `retried` were run again after their worker was lost, `seconds` it took.
     """
 
-    JSON = "name=plan.name verb=plan.verb status=counts kept retried events rows=table pooled seconds"
-
     plan: Plan
     rows: tuple[dict[str, Any], ...]
     kept: int
@@ -79,6 +77,13 @@ class Campaign(AsJson):
     def __repr__(self) -> str:
         parts = ", ".join(f"{count} {status}" for status, count in sorted(self.counts.items()))
         return f"{self.plan.name}: {len(self.rows)} jobs ({parts}), {self.kept} kept from before"
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "name": self.plan.name, "verb": self.plan.verb, "status": self.counts, "kept": self.kept,
+            "retried": self.retried, "events": self.events, "rows": self.table, "pooled": self.pooled,
+            "seconds": self.seconds,
+        }  # fmt: skip
 
 
 def run_campaign(

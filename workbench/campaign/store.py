@@ -85,7 +85,7 @@ class JobStore:
             refuse_links(path, self._home)
         try:
             found = json.loads(read_input(path, LARGEST, remember=False, inside=self._home))
-            row = found["row"]
+            row: dict[str, Any] = found["row"]
             if found["schema"] == SCHEMA and found["key"] == key and found["sha256"] == _checksum(key, row):
                 return row | self.labels(job)
         except (OSError, ValueError, KeyError, TypeError, RecursionError):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import contextlib
 import io
-import json
 import tempfile
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,14 +14,12 @@ from typing import Any
 from exoid.ground.errors import refused
 from exoid.ground.files import sha256_file
 from exoid.measurement.reading.sources import noting
-from exoid.workbench.campaign.plan import WATCH
+from exoid.workbench.campaign.plan import campaign_verb
 from exoid.workbench.campaign.store import CHANGED, AwayError
 
 ROLES = ("recordings", "verify")
 ATTEMPTS, PAUSE = 3, 1.0
 """Times a job is tried whose recordings cannot be reached, and seconds in between: a network folder comes back."""
-FUNCTION = f"{__name__}:work"
-"""How an engine calls `work`."""
 
 
 class WorkError(RuntimeError):
@@ -83,7 +80,7 @@ def _answered(
     if status != 2:
         _check(expected, expected, noted)
     else:
-        paths = [path for role in ROLES for path in given[role]] if task["verb"] != WATCH else []
+        paths = [] if campaign_verb(task["verb"]).alone else [path for role in ROLES for path in given[role]]
         unreadable = _unreadable(task, paths, expected)
         bad = {one["path"] for one in unreadable}
         left = {role: [path for path in paths if path not in bad] for role, paths in given.items()}
@@ -123,17 +120,12 @@ def _command(
 ) -> tuple[int, Any, list[str], str | None]:
     """Return the exit status of the command, its JSON, what it said on stderr, and its report."""
     from exoid.workbench.command import main
-    from exoid.workbench.commands.watch import STANDARD
 
-    answer, out = folder / "answer.json", folder / "out"
-    watches, model = task["verb"] == WATCH, folder / "model.toml"
+    answer, out, model = folder / "answer.json", folder / "out", folder / "model.toml"
     if task["model"] is not None:
         model.write_text(task["model"], encoding="utf-8")
-    words = [task["verb"], *task["options"]]
-    if watches:
-        words += [STANDARD if task["model"] is None else str(model), *recordings]
-    else:
-        words += [*recordings, *(["--model", str(model)] if task["model"] is not None else [])]
+    asked = campaign_verb(task["verb"])
+    words = [task["verb"], *task["options"], *asked.words(None if task["model"] is None else str(model), recordings)]
     words += ["--json", str(answer), "--quiet", "--seed", str(task["seed"])]
     if verify:
         words += ["--verify", *verify]
@@ -146,41 +138,8 @@ def _command(
     if status not in (0, 1):
         return status, None, lines, None
     page = out / "report.html"
-    text = answer.read_text("utf-8")
-    result = row_of_events([json.loads(line) for line in text.splitlines()]) if watches else json.loads(text)
+    result = asked.answer(answer.read_text("utf-8"))
     return status, result, lines, page.read_text("utf-8") if page.is_file() else None
-
-
-def row_of_events(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the events of `watch` as one answer: verdict, what changed and when, numbers at the end.
-
-    A change that is named twice, at once and with better data, counts as it was named last. The verdict is "changed",
-    "unexplained" (the error grew, and nothing known explains it), "unchanged", or "undetermined" where the recording
-    does not determine the model.
-    """
-    changes: list[Mapping[str, Any]] = []
-    for one in events:
-        if one["event"] == "change" and one["kind"] != "over":
-            if changes and one.get("state") == "refined":
-                changes.pop()
-            changes.append(one)
-    kinds = {one["event"] for one in events}
-    last: Mapping[str, Any] = next((one for one in reversed(events) if one["event"] == "summary"), {})
-    verdict = "unchanged" if "reference" in kinds else "undetermined"
-    accepted = [
-        {
-            "name": found["name"], "parameters": found["change"], "look_alikes": found["look_alikes"],
-            "p_value": found["p_value"], "since": one.get("since"), "kind": one["kind"],
-        }
-        for one in changes for found in one["differences"]
-    ]  # fmt: skip
-    return {
-        "schema": "exoid.watch/1",
-        "verdict": "changed" if changes else "unexplained" if "unexplained" in kinds else verdict,
-        "joints": next((one["joints"] for one in events if one["event"] == "start"), []),
-        "accepted": accepted, "parameters": last.get("parameters", {}), "events": list(events),
-        **({"rms_before": changes[0]["rms_before"], "rms_after": changes[-1]["rms_after"]} if changes else {}),
-    }  # fmt: skip
 
 
 def _unreadable(
@@ -246,3 +205,7 @@ def _differing(wanted: Mapping[str, str], here: Mapping[str, str]) -> str:
     names = sorted({*wanted, *here})
     pairs = [(n, wanted.get(n, "nothing"), here.get(n, "nothing")) for n in names if wanted.get(n) != here.get(n)]
     return ", ".join(f"{name} {there} here and {on} on the worker" for name, there, on in pairs)
+
+
+FUNCTION = f"{work.__module__}:{work.__name__}"
+"""How an engine calls it in processes of its own, whose version may be another."""

@@ -24,7 +24,7 @@ from exoid.workbench.terminal.screen import Screen, warn
 GROUP = "measure"
 HELP = """design the motion to record next, inside the limits of the leg
 
-exoid design leg.toml --out motion                 the numbers of the model as well as possible
+exoid design leg.toml --out motion                 the parameters of the model as well as possible
 exoid design --free --rest --period 8              free centre, start and end at rest
 exoid design --check motion/motion.toml            evaluate a motion; --check paper: the paper's coefficients
 exoid design --separate stribeck:hip,viscous_quadratic:hip --model leg.toml run1.csv run2.csv
@@ -214,7 +214,7 @@ def _model_path(args: argparse.Namespace) -> str | None:
 
 
 def _numbers(path: str | None) -> Any:
-    """Return the identified numbers of a model file, where it has some."""
+    """Return the identified parameters of a model file, where it has some."""
     from exoid.symbolic.model_file import read_numbers
 
     return None if path is None else read_numbers(path)

@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from exoid.ground.plain import picked
 from exoid.workbench.command_line.files import make_folder, write_json, write_text
 from exoid.workbench.command_line.inputs import split_joint
 from exoid.workbench.command_line.options import add_common
@@ -145,9 +144,13 @@ def _number(entry: Coefficient | Shape, span: str) -> str:
 
 def effect_record(effect: Effect) -> dict[str, Any]:
     """Return the entry in plain types."""
-    plain = "id title family explains joints torque deflection absorbed_on tells_apart reference custom"
     numbers = {
         kind: {name: dict(vars(entry)) for name, entry in getattr(effect, kind).items()}
         for kind in ("coefficients", "shape")
     }
-    return picked(effect, plain) | numbers | {"derived": effect.derive is not None}
+    return {
+        "id": effect.id, "title": effect.title, "family": effect.family, "explains": effect.explains,
+        "joints": effect.joints, "torque": effect.torque, "deflection": effect.deflection,
+        "absorbed_on": effect.absorbed_on, "tells_apart": effect.tells_apart, "reference": effect.reference,
+        "custom": effect.custom, **numbers, "derived": effect.derive is not None,
+    }  # fmt: skip

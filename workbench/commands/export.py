@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from exoid.workbench.exporting import formats
 
     known = formats()
-    parser.add_argument("model", metavar="MODEL", help="model file with identified numbers (exoid identify --write)")
+    parser.add_argument("model", metavar="MODEL", help="model file with identified parameters (exoid identify --write)")
     parser.add_argument(
         "--format", "--as", nargs="+", choices=known, metavar="FORMAT",
         help=f"what to write: {', '.join(known)} (default: all but fmu and ros2)",
@@ -42,11 +42,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--updater", action="store_true",
-        help="write as well, in C, what follows the model's numbers while the controller runs; needs --sample-time",
+        help="write as well, in C, what follows the model's parameters while the controller runs; needs --sample-time",
     )  # fmt: skip
     parser.add_argument(
         "--into", metavar="URDF",
-        help="write as well a copy of this URDF, of which the model was made, with the identified numbers in it",
+        help="write as well a copy of this URDF, of which the model was made, with the identified parameters in it",
     )  # fmt: skip
     add_common(parser, out=f"write into DIR (default: {DEFAULT_FOLDER})")
 

@@ -6,6 +6,7 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.deliver import deliver_results
 from exoid.workbench.command_line.options import (
     add_common,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from exoid.workbench.command_line.inputs import Inputs
 
 GROUP = "build"
+IN_CAMPAIGNS = CampaignVerb()
 HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
 
 exoid identify run1.csv run2.csv --verify run3.csv --model leg.toml --write leg_identified.toml"""
@@ -42,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--per-recording", action="store_true",
         help="every parameter from every recording alone: which numbers can be trusted, and what to record",
     )  # fmt: skip
-    parser.add_argument("--write", metavar="FILE", help="write the model with its identified numbers to FILE")
+    parser.add_argument("--write", metavar="FILE", help="write the model with its identified parameters to FILE")
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
 

@@ -99,7 +99,7 @@ def _asked(table: Any, told: Any, where: str, screen: Screen, joints: Sequence[J
     """Return `told` completed by the answers to one question after the other; an empty line leaves a column out."""
     from exoid.ground.errors import RecordingError
     from exoid.measurement.reading.columns import required
-    from exoid.measurement.reading.mapped import numbered
+    from exoid.measurement.reading.mapping import numbered
 
     names = numbered(table.names)
     for _ in range(50):

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.deliver import deliver_results
 from exoid.workbench.command_line.files import make_folder
 from exoid.workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from exoid.workbench.command_line.inputs import Inputs
 
 GROUP = "run"
+IN_CAMPAIGNS = CampaignVerb()
 HELP = """compare NFO, PSO, GA, DE and CMA-ES with the certified optimum, or the best motion known
 
 exoid rivals --out contest                       the paper's leg on the virtual bench, 51 seeds

@@ -6,14 +6,16 @@ import argparse
 import contextlib
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from exoid.ground.errors import ExoidError
+from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.options import add_columns, add_common, between, positive_number, whole_number
 from exoid.workbench.command_line.parser import Seldom
 from exoid.workbench.terminal.screen import warn
+from exoid.workbench.watching.row import row_of_lines
 
 if TYPE_CHECKING:
     from exoid.diagnosis.watching.watcher import Watcher
@@ -31,6 +33,13 @@ exoid watch standard log.csv --json -       one JSON object per event
 exoid watch leg.toml ros2:/joint_states --state leg.state --on-event ./tell"""
 
 STANDARD = "standard"
+
+
+def _model_first(model: str | None, recordings: Sequence[str]) -> list[str]:
+    return [STANDARD if model is None else model, *recordings]
+
+
+IN_CAMPAIGNS = CampaignVerb(_model_first, row_of_lines, alone=True)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     group.add_argument(
         "--estimates", metavar="BLOCKS", type=whole_number, default=0,
-        help="report the model's numbers every so many blocks of 5 s (0: only at the end)",
+        help="report the model's parameters every so many blocks of 5 s (0: only at the end)",
     )  # fmt: skip
     group.add_argument(
         "--state", metavar="FILE", help="keep what is learnt in FILE, and go on with what is there: no new learning"

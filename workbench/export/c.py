@@ -68,7 +68,7 @@ void {n}_forward_dynamics({_arguments("t q dq base force tau > ddq", size, extra
     turning = all(joint.turns for joint in ready.model.joints)
     sliding = "" if turning else ", N for N.m and m for rad where a joint slides"
     return f"""/* {in_comment(ready.model.name)}:
- * torque of a {_machine(ready)}, with identified numbers. Written by exoid.
+ * torque of a {_machine(ready)}, with identified parameters. Written by exoid.
  *
  * {_conventions(ready)}
  * A torque is what the drives have to supply. Matrices are row by row.

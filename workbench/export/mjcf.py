@@ -1,4 +1,4 @@
-"""MJCF, the model file of MuJoCo: the rigid machine with the identified numbers, damping, friction, rotors and springs.
+"""MJCF, the model file of MuJoCo: the rigid machine with identified parameters, damping, friction, rotors and springs.
 
 Bodies are those of the URDF (`urdf.py`). MuJoCo's `armature` is the rotor inertia, `stiffness` and `springref` are the
 joint spring, `frictionloss` is Coulomb friction; other effects are named in the file.
@@ -37,7 +37,7 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     swaying = "\n     The base is measured: move it as it moved." if ready.model.moving_base else ""
     return {
         f"{options.name}.xml": f"""<?xml version="1.0" encoding="utf-8"?>
-<!-- Written by exoid for MuJoCo. Masses and inertias are one choice of many with the identified numbers.
+<!-- Written by exoid for MuJoCo. Masses and inertias are one choice of many with the identified parameters.
      z is up, x forward; angles turn about -y; zero is the machine hanging straight down.{swaying}
      Effects of the model that MJCF cannot carry: {left_out(ready, CARRIED)}. -->
 <mujoco model="{options.name}">

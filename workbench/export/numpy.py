@@ -114,7 +114,7 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     arguments = ", ".join(["t, q, dq, ddq", *outside])
     said = swaying + pushed
     taken = "".join(f"    {name} = np.asarray({name}, dtype=float)\n" for name in outside)
-    text = f'''"""{in_comment(model.name)}: torque of a {kind}, with identified numbers. Written by exoid.
+    text = f'''"""{in_comment(model.name)}: torque of a {kind}, with identified parameters. Written by exoid.
 
 Joint order {", ".join(model.joint_names)}; s, {"; ".join(units_of)}. Model {model.key()[:16]}.
 """

@@ -1,4 +1,4 @@
-"""URDF of the rigid machine: masses, centres of mass and inertias that reproduce the identified numbers exactly.
+"""URDF of the rigid machine: masses, centres of mass and inertias that reproduce the identified parameters exactly.
 
 Base parameters do not fix them: many machines have the same numbers, so the same torques. One of them is chosen
 (`optimisation/linear/links.py`). URDF carries damping and friction of a joint, but few of the effects; the others are
@@ -34,7 +34,7 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     text = "\n".join(parts)
     return {
         f"{options.name}.urdf": f"""<?xml version="1.0" encoding="utf-8"?>
-<!-- Written by exoid. The rigid machine; masses and inertias are one choice of many with the identified numbers.
+<!-- Written by exoid. The rigid machine; masses and inertias are one choice of many with the identified parameters.
      z is up, x forward; angles turn about -y; zero is the machine hanging straight down.{gravity}{swaying}
      Effects of the model that URDF cannot carry: {left_out(ready)}. effort is not identified: set your drive's. -->
 <robot name="{options.name}">

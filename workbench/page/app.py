@@ -1,36 +1,40 @@
-"""The local server: every address of the page, and what it asks the workspace."""
+"""The local server: every address of the page; what panels ask and do is theirs (`panels/`)."""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import AsyncIterator, Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio.to_thread
 from starlette.applications import Starlette
-from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from exoid.ground.errors import ExoidError, RecordingError
+from exoid.ground.folder import modules_in
 from exoid.measurement.reading.limits import MOST_BYTES
 from exoid.measurement.reading.mapping import FILE as MAPPING
 from exoid.measurement.reading.sources import is_recording
-from exoid.workbench.page import numbers, saved, takeaway, views
-from exoid.workbench.page.given import FIT, error_json, internal, mapping_preview, shown_name
+from exoid.workbench.page import panels, views
+from exoid.workbench.page.given import FIT, error_json, internal, shown_name
 from exoid.workbench.page.guard import Guard
-from exoid.workbench.page.message import LONGEST, RELOAD, folder_in, obey, read_message
+from exoid.workbench.page.message import LONGEST, RELOAD, obey, read_message
+from exoid.workbench.page.reply import number_in
 
 if TYPE_CHECKING:
     from starlette.requests import Request
 
+    from exoid.workbench.page.reply import Action, Answer
     from exoid.workbench.page.workspace import Workspace
 
 STATIC = Path(__file__).parent / "static"
 REPORT_STYLE = Path(__file__).parent.parent / "report" / "page.css"
+DRAWN = "export function draw("
+"""How the script of a panel begins to draw it."""
 BEAT = 10.0
 """Seconds after which an open connection says that it is still there."""
 
@@ -42,139 +46,37 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
         Route("/", lambda request: FileResponse(STATIC / "index.html")),
         Route("/report.css", lambda request: FileResponse(REPORT_STYLE)),
         Route("/api/events", partial(_events, workspace)),
-        *(Route(f"/api/{name}", partial(ask, workspace)) for name, ask in ANSWERS.items()),
+        Route("/panels.js", _scripts),
+        Route("/api/state", lambda request: JSONResponse(views.state(workspace))),
+        *(Route(f"/api/{name}", partial(ask, workspace)) for name, ask in _answers().items()),
         Route("/api/file", partial(_upload, workspace), methods=["PUT"]),
         Route("/api/session", partial(_upload_session, workspace), methods=["PUT"]),
-        *(Route(f"/api/{name}", _told(workspace, name, do), methods=["POST"]) for name, do in ACTIONS.items()),
+        *(Route(f"/api/{name}", _told(workspace, name, do), methods=["POST"]) for name, do in actions().items()),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]
     handlers: dict[Any, Any] = {ExoidError: _refused, OSError: _refused, Exception: _broken}
     return Guard(Starlette(routes=routes, exception_handlers=handlers), token, port)
 
 
-# -- what is asked -------------------------------------------------------------------------------------------------
+def actions() -> dict[str, Action]:
+    """Return {name: what is done} of all panels."""
+    return {name: do for panel in modules_in(panels).values() for name, do in getattr(panel, "ACTIONS", {}).items()}
 
 
-def _preview(workspace: Workspace, request: Request) -> Response:
-    name = request.query_params.get("effect", "")
-    return _bytes(numbers.preview_of(workspace, workspace.opened(), name, _number(request, "recording")))
+def _answers() -> dict[str, Answer]:
+    """Return {address: what answers} of all panels."""
+    own = (getattr(panel, "ANSWERS", {}) for panel in modules_in(panels).values())
+    return {name: answer for each in own for name, answer in each.items()}
 
 
-def _export(workspace: Workspace, request: Request) -> Response:
-    archive = takeaway.exported(workspace, request.query_params.get("format", ""))
-    headers = {"content-disposition": 'attachment; filename="exoid-model.zip"'}
-    return Response(archive, media_type="application/zip", headers=headers)
+def _scripts(request: Request) -> Response:
+    """Return a script that brings every panel that can be drawn, each under its name."""
+    drawn = [path.stem for path in sorted((STATIC / "panels").glob("*.js")) if DRAWN in path.read_text("utf-8")]
+    lines = (f'export * as {name} from "/static/panels/{name}.js";' for name in drawn)
+    return Response("\n".join(lines), media_type="text/javascript")
 
 
-ANSWERS: dict[str, Callable[[Workspace, Request], Response]] = {
-    "state": lambda workspace, request: JSONResponse(views.state(workspace)),
-    "details": lambda workspace, request: JSONResponse(
-        views.details(workspace, request.query_params.get("effect", ""))
-    ),
-    "motion": lambda workspace, request: _bytes(numbers.motion_of(workspace.opened(), _number(request, "recording"))),
-    "error": lambda workspace, request: _bytes(
-        numbers.error_of(workspace, workspace.opened(), _number(request, "recording"))
-    ),
-    "preview": _preview,
-    "strides": lambda workspace, request: JSONResponse(numbers.strides(workspace, workspace.opened())),
-    "answer": lambda workspace, request: _bytes(
-        numbers.other_error_of(workspace, workspace.opened(), _number(request, "recording"))
-    ),
-    "column": lambda workspace, request: _bytes(
-        numbers.column_of(
-            workspace, workspace.opened(), _number(request, "recording"), request.query_params.get("column", "")
-        )
-    ),
-    "columns": lambda workspace, request: JSONResponse(
-        mapping_preview(workspace.find(_number(request, "file")), workspace.model.joints)
-    ),
-    "takeaway": lambda workspace, request: JSONResponse(takeaway.commands(workspace)),
-    "watch": lambda workspace, request: JSONResponse(workspace.playing.whole() if workspace.playing else {}),
-    "report": lambda workspace, request: _download(takeaway.report(workspace), takeaway.REPORT, "text/html"),
-    "model": lambda workspace, request: _download(takeaway.model_toml(workspace), takeaway.MODEL, "text/plain"),
-    "export": _export,
-}
-"""What the page asks for."""
-
-
-# -- what is done --------------------------------------------------------------------------------------------------
-
-
-def _demo(workspace: Workspace, told: dict[str, Any]) -> None:
-    from exoid.workbench.commands.demo import DATA
-
-    if workspace.given:
-        raise RecordingError("recordings are open already", remedy="close them first, or open the demo in a new window")
-    for role, pattern in ((FIT, "train*.csv"), ("verify", "verify*.csv")):
-        for path in sorted(DATA.glob(pattern)):
-            workspace.add_file(path, path.name, role)
-
-
-def _map(workspace: Workspace, told: dict[str, Any]) -> None:
-    from exoid.measurement.reading.mapping import StatedMapping
-
-    columns, units = ({str(k): str(v) for k, v in told[key].items() if v} for key in ("columns", "units"))
-    idle = told.get("passive", workspace.find(int(told["file"])).told.passive)
-    said = StatedMapping(
-        columns, units, str(told.get("leg", "")), str(told.get("convention", "")), passive=tuple(map(str, idle))
-    )
-    workspace.map_file(int(told["file"]), said)
-
-
-def _read_as(workspace: Workspace, told: dict[str, Any]) -> None:
-    """Read all files, or the one that is named, in another convention."""
-    for one in [one for one in workspace.given if told.get("file") in (None, one.name)]:
-        workspace.map_file(one.id, replace(one.told, convention=str(told["convention"])))
-
-
-def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
-    from exoid.workbench.page.workspace import spans_of
-
-    joint = told.get("joint")
-    found = numbers.explained(
-        workspace, workspace.opened(), spans_of(told.get("spans", [])), None if joint is None else int(joint),
-        told.get("box"),
-    )  # fmt: skip
-    return {"explained": found}
-
-
-def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
-    if workspace.given:
-        raise RecordingError("recordings are open already", remedy="close them first, or open the session by itself")
-    if "drop" in told:
-        saved.reopen(workspace, workspace.session_place(int(told["drop"]), "session.json").parent, kept=False)
-    else:
-        saved.reopen(workspace, folder_in(told))
-
-
-def _auto(workspace: Workspace, told: dict[str, Any]) -> None:
-    with workspace.change:
-        workspace.judging.switch(bool(told["on"]))
-    workspace.touch()
-
-
-ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
-    "add": lambda workspace, told: workspace.add(str(told["effect"])),
-    "auto": _auto,
-    "brush": _brush,
-    "cancel": lambda workspace, told: workspace.cancel(),
-    "close": lambda workspace, told: workspace.remove_file(int(told["file"])),
-    "demo": _demo,
-    "discover": lambda workspace, told: workspace.discover(),
-    "effect": lambda workspace, told: workspace.add_effect(dict(told["effect"])),
-    "go": lambda workspace, told: workspace.change_history(lambda history: history.go(int(told["at"]))),
-    "map": _map,
-    "play": lambda workspace, told: workspace.play(int(told["recording"])),
-    "read_as": _read_as,
-    "redo": lambda workspace, told: workspace.change_history(lambda history: history.redo()),
-    "remove": lambda workspace, told: workspace.change_history(lambda history: history.remove(str(told["effect"]))),
-    "reopen": _reopen,
-    "role": lambda workspace, told: workspace.use_as(int(told["file"]), str(told["role"])),
-    "save": lambda workspace, told: {"folder": str(saved.save(workspace, folder_in(told)))},
-    "switch": lambda workspace, told: workspace.change_history(lambda history: history.switch(str(told["effect"]))),
-    "undo": lambda workspace, told: workspace.change_history(lambda history: history.undo()),
-}
-"""What the page may ask to be done, with what it says of it; a dict that comes back is the answer."""
+# -- what is sent and heard ----------------------------------------------------------------------------------------
 
 
 async def _upload(workspace: Workspace, request: Request) -> Response:
@@ -200,7 +102,7 @@ async def _upload(workspace: Workspace, request: Request) -> Response:
 
 async def _upload_session(workspace: Workspace, request: Request) -> Response:
     """Take in one file of the folder of a session that was dropped; `reopen` opens it when all are here."""
-    drop = _number(request, "drop")
+    drop = number_in(request, "drop")
     await _written(request, workspace.session_place(drop, request.query_params.get("name", "")))
     return JSONResponse({})
 
@@ -235,9 +137,7 @@ async def _events(workspace: Workspace, request: Request) -> Response:
 # -- how it is answered --------------------------------------------------------------------------------------------
 
 
-def _told(
-    workspace: Workspace, action: str, do: Callable[[Workspace, dict[str, Any]], Any]
-) -> Callable[[Request], Any]:
+def _told(workspace: Workspace, action: str, do: Action) -> Callable[[Request], Any]:
     async def endpoint(request: Request) -> Response:
         body = bytearray()
         async for part in request.stream():
@@ -258,18 +158,3 @@ def _refused(request: Request, error: Exception) -> Response:
 
 def _broken(request: Request, error: Exception) -> Response:
     return JSONResponse(error_json(internal(error)), status_code=500)
-
-
-def _number(request: Request, name: str) -> int:
-    text = request.query_params.get(name, "")
-    if not text.isdecimal() or len(text) > 9:
-        raise RecordingError(f"{name} is no number", remedy=RELOAD)
-    return int(text)
-
-
-def _bytes(content: bytes) -> Response:
-    return Response(content, media_type="application/octet-stream")
-
-
-def _download(text: str, name: str, kind: str) -> Response:
-    return PlainTextResponse(text, media_type=kind, headers={"content-disposition": f'attachment; filename="{name}"'})

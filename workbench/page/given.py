@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import ExoidError
-from exoid.ground.plain import picked
 from exoid.ground.text import printable
 from exoid.measurement.reading.mapping import StatedMapping
 
@@ -80,7 +79,7 @@ def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Seque
     Of an answer counts what this file has: its leg, convention and passive joints, and the columns and units of those
     that are there.
     """
-    from exoid.measurement.reading.mapped import factors_of
+    from exoid.measurement.reading.mapping import factors_of
     from exoid.measurement.reading.read import open_table, read_as_told
 
     try:
@@ -114,7 +113,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
     from exoid.measurement.reading.columns import assign, canonical_columns, legs, required
     from exoid.measurement.reading.conventions import conventions_of_machine
-    from exoid.measurement.reading.mapped import numbered
+    from exoid.measurement.reading.mapping import numbered
     from exoid.measurement.reading.names import kind_of
     from exoid.measurement.reading.read import open_table
     from exoid.symbolic.units import SI_UNIT
@@ -149,7 +148,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "guess": guess,
         "sides": list(sides),
         "guesses": guesses,
-        "told": {**picked(told, "leg passive"), "columns": dict(told.columns), "units": dict(told.units)},
+        "told": {"leg": told.leg, "passive": told.passive, "columns": dict(told.columns), "units": dict(told.units)},
         "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),

@@ -103,7 +103,7 @@ def column_of(workspace: Workspace, session: Session, index: int, name: str) -> 
     """Return any column of the file of a recording (1, K), as it stands there, at the instants of the plots."""
     import numpy as np
 
-    from exoid.measurement.reading.mapped import numbered
+    from exoid.measurement.reading.mapping import numbered
     from exoid.measurement.reading.read import open_table
 
     one = _recording(session, index)
@@ -170,7 +170,8 @@ def _variable(session: Session, place: int, fitted: FittedModel, variable: str, 
     stem, names = {"angle": "q", "velocity": "dq", "acceleration": "ddq"}.get(kind), session.model.joint_names
     if variable != "load" and (stem is None or of not in names):
         raise RecordingError(f"there is no variable {variable[:40]!r}", remedy="reload the page")
-    return signal_of(one, fitted, variable if stem is None else f"{stem}{names.index(of) + 1}", joint)[one.kept]
+    name = variable if stem is None else f"{stem}{names.index(of) + 1}"
+    return np.asarray(signal_of(one, fitted, name, joint)[one.kept])
 
 
 def _recording(session: Session, index: int) -> Any:

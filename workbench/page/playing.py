@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 class BackgroundWatch(AsJson):
     """A recording that is being played; `touch` is called whenever there is more to show."""
 
-    JSON = "recording=index running blocks fraction error"
-
     def __init__(
         self, model: Model, recording: Recording, index: int, extra: Sequence[Effect], touch: Callable[[], object]
     ) -> None:
@@ -69,6 +67,12 @@ class BackgroundWatch(AsJson):
         self.played = played
         self.blocks += 1
         self._touch()
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "recording": self.index, "running": self.running, "blocks": self.blocks, "fraction": self.fraction,
+            "error": self.error,
+        }  # fmt: skip
 
 
 class _CancelledError(Exception):

@@ -14,7 +14,7 @@ from exoid.ground.errors import ExoidError, RecordingError, refused
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.lock import LOCK, FolderHeld
-from exoid.ground.plain import picked, plain
+from exoid.ground.plain import plain
 from exoid.workbench.page.folder import LARGEST, SESSION, SessionFolder, inside
 from exoid.workbench.page.given import FIT, VERIFY
 from exoid.workbench.page.takeaway import MODEL, REPORT, model_toml, report
@@ -53,7 +53,8 @@ def _write(workspace: Workspace, place: SessionFolder) -> None:
         entries.append({
             "file": place.copy(one.path, one.name, digest), "name": one.name, "role": one.role,
             "join": [(place.copy(Path(file), f"joined-{Path(file).name}"), lag) for file, lag in one.told.join],
-            **picked(one.told, "columns units leg passive only"),
+            "columns": one.told.columns, "units": one.told.units, "leg": one.told.leg, "passive": one.told.passive,
+            "only": one.told.only,
             "convention": list(filter(None, one.told.convention.split(","))),
             "payloads": [astuple(load) for load in one.told.payloads],
         })  # fmt: skip

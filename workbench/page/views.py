@@ -12,7 +12,7 @@ from exoid.diagnosis.evidence.score import share_of_own_joints
 from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.diagnosis.write_up import best_first
-from exoid.ground.plain import picked, plain_dict
+from exoid.ground.plain import plain_dict
 from exoid.ground.text import printable
 from exoid.measurement.reading.sources import suffixes
 from exoid.optimisation.linear.links import tree_of
@@ -76,7 +76,9 @@ def details(workspace: Workspace, name: str) -> dict[str, Any]:
     score = None if ranking is None else ranking.score(name)
     effect = _effect(workspace, name)
     out: dict[str, Any] = {
-        **picked(effect, "explains tells_apart reference"),
+        "explains": effect.explains,
+        "tells_apart": effect.tells_apart,
+        "reference": effect.reference,
         "name": name,
         "title": _title(effect, name),
         "torque": effect.torque if isinstance(effect.torque, str) else "",
@@ -94,7 +96,10 @@ def details(workspace: Workspace, name: str) -> dict[str, Any]:
 def _file(one: Any) -> dict[str, Any]:
     findings = [f for recording in one.recordings for f in recording.findings]
     return {
-        **picked(one, "id name role read"),
+        "id": one.id,
+        "name": one.name,
+        "role": one.role,
+        "read": one.read,
         "error": None if one.error is None else error_json(one.error),
         "seconds": sum(r.duration for r in one.recordings),
         "rate": one.recordings[0].rate if one.recordings else None,
@@ -130,7 +135,8 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     return {
         "joints": [
             {
-                **picked(joint, "name kind"),
+                "name": joint.name,
+                "kind": joint.kind,
                 "unit": joint.unit("tau"),
                 "length": lengths[j],
                 "parent": above[j],
@@ -163,7 +169,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         "history": _history(workspace, session),
         "verdict": _verdict(workspace, session),
         "ranking": None if ranking is None else {
-            **picked(ranking, "weighed finished"),
+            "weighed": ranking.weighed, "finished": ranking.finished,
             "suspects": best_first(
                 (_as_judged(_suspect(ranking, one), judged) for one in ranking.scores),
                 lambda one: one["sureness"], lambda one: one["share"] or 0.0,
@@ -201,10 +207,11 @@ def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:
         mine = [e for name, e in estimates.items() if name.startswith(f"{layer.name}.")]
         out.append(
             {
-                **picked(layer, "name on"),
+                "name": layer.name,
+                "on": layer.on,
                 "title": _title(effect, layer.name),
                 "explains": effect.explains,
-                "numbers": [{**picked(e, "value low high unit"), **_said(effect, e)} for e in mine],
+                "numbers": [{**e.to_json(), **_said(effect, e)} for e in mine],
             }
         )
     return out
@@ -293,10 +300,16 @@ def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
     low, high = interval(score.p_value, draws)
     agreement = score.agreement
     return {
-        **picked(score, "name p=p_value significant caution"),
+        "name": score.name,
+        "p": score.p_value,
+        "significant": score.significant,
+        "caution": score.caution,
         "share": share_of_own_joints(score, ranking.fitted.evaluation_rms, ranking.fitted.prepared.noise_floor),
         "sureness": ranking.sureness(score.name),
-        **picked(term, "effect=effect.id joint explains=effect.explains custom=effect.custom"),
+        "effect": term.effect.id,
+        "joint": term.joint,
+        "explains": term.effect.explains,
+        "custom": term.effect.custom,
         "title": _title(term.effect, score.name),
         "p_low": low,
         "p_high": high,
@@ -318,7 +331,8 @@ def _as_judged(suspect: dict[str, Any], judged: Diagnosis | None) -> dict[str, A
 def _told_numbers(effect: Effect, accepted: Accepted) -> list[dict[str, Any]]:
     """Return the numbers of an effect as the sentence of the answer names them."""
     said = {k: number_said(effect, k, e.value, e.unit, 0.5 * (e.high - e.low)) for k, e in accepted.parameters.items()}
-    return [{"name": key, **picked(e, "unit value"), "said": said[key]} for key, e in accepted.parameters.items()]
+    numbers = accepted.parameters.items()
+    return [{"name": name, "unit": e.unit, "value": e.value, "said": said[name]} for name, e in numbers]
 
 
 def _numbers(score: Score) -> list[dict[str, Any]]:
@@ -350,9 +364,13 @@ def _search(workspace: Workspace) -> dict[str, Any]:
     search = workspace.search
     running = search is not None and search.running
     steps = search.steps if search is not None and running else []
-    shown = picked(search, "fraction text") if running else {"fraction": 0.0, "text": ""}
-    steps = [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in steps]
-    return {**shown, "running": running, "steps": steps, "message": printable(workspace.search_message)}
+    return {
+        "fraction": search.fraction if search is not None and running else 0.0,
+        "text": search.text if search is not None and running else "",
+        "running": running,
+        "steps": [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in steps],
+        "message": printable(workspace.search_message),
+    }
 
 
 def _effect(workspace: Workspace, name: str) -> Effect:

@@ -13,11 +13,8 @@ from exoid.workbench.report.page import write_report
 from exoid.workbench.terminal.screen import per_joint
 from exoid.workbench.terminal.showing import NOTHING_HELD_OUT
 
-FOLDER = "exoid-report"
-"""Where a report goes unless told otherwise."""
 
-
-def write_result(result: Any, folder: str | Path = FOLDER) -> Path:
+def write_result(result: Any, folder: str | Path) -> Path:
     """Write the report of a Diagnosis, Comparison, Addition or Waterfall into `folder`, made where there is none, and
     return the path of the page. OutputError where it cannot be written.
     """

@@ -2,7 +2,7 @@
 
     exoid_watch_events_total{event}            events so far
     exoid_watch_change{name}                   1 while something named differs from what is usual
-    exoid_watch_parameter{name,unit,side}      the model's numbers: value, low and high
+    exoid_watch_parameter{name,unit,side}      the model's parameters: value, low and high
     exoid_watch_stream_seconds, _blocks, _known, _last_sample_timestamp_seconds, _lost_samples{why}
 """
 
@@ -36,7 +36,7 @@ class Scraped:
         self.device, self.blocks = device, -1
         self.events = Counter("exoid_watch_events", "events so far", ("device", "event"), registry=registry)
         self.changes = gauge("change", "1 while this differs from what is usual", "name")
-        self.numbers = gauge("parameter", "numbers of the model, with 95 % intervals", "name", "unit", "side")
+        self.numbers = gauge("parameter", "parameters of the model, with 95 % intervals", "name", "unit", "side")
         self.lost = gauge("lost_samples", "samples passed over", "why")
         self.seconds = gauge("stream_seconds", "where in the stream one is")
         self.judged = gauge("blocks", "blocks judged")

@@ -7,7 +7,7 @@ import numpy as np
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import NOTHING, channels, place, torque_spans
 from exoid.measurement.finding import Finding
-from exoid.measurement.reading.mapped import listed
+from exoid.measurement.reading.mapping import listed
 from exoid.measurement.recording import Recording
 
 STILL = Threshold(0.01, "rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion")

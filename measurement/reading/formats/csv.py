@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from exoid.ground.errors import RecordingError
 from exoid.ground.inputs import open_input
 from exoid.measurement.finding import Finding, row_ranges
-from exoid.measurement.reading.camera import with_time
 from exoid.measurement.reading.limits import Budget
+from exoid.measurement.reading.made_times import with_time
 from exoid.measurement.reading.raw import RawColumn, RawTable, column_from_cells
 from exoid.measurement.reading.sniff import COMMENTS, POINTS, Layout, decode, sniff, split_line
 from exoid.symbolic.motion import Float

@@ -96,7 +96,7 @@ def refuse_elsewhere(item: Any, path: Path) -> None:
 def size_of(item: Any) -> int:
     """Return the bytes that reading a dataset takes: its cells, twice where they are converted, and a chunk."""
     chunk = int(np.prod(item.chunks, dtype=float)) if item.chunks else 0
-    return max(item.size * max(item.dtype.itemsize, 8), chunk * item.dtype.itemsize)
+    return int(max(item.size * max(item.dtype.itemsize, 8), chunk * item.dtype.itemsize))
 
 
 def _text(value: Any) -> str:

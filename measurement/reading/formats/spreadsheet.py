@@ -20,8 +20,8 @@ from exoid.ground.errors import RecordingError
 from exoid.ground.extras import needing
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading import limits, sheet_process
-from exoid.measurement.reading.camera import with_time
 from exoid.measurement.reading.limits import TEXT, Budget
+from exoid.measurement.reading.made_times import with_time
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.raw import RawTable, column_from_cells, split_unit
 from exoid.measurement.reading.sniff import FLEXION, under_groups

@@ -1,17 +1,14 @@
 // Draws the page from the state of the workspace, again whenever that or what this tab looks at has changed.
 
 import { follow, tell } from "./api.js";
+import * as panels from "/panels.js";
 import { drawSelection, loadCompare, redraw } from "./panels/compare.js";
-import { drawLayers } from "./panels/layers.js";
 import { offerMapping } from "./panels/mapping.js";
 import { drawRecordings } from "./panels/recordings.js";
 import { catchDrops, drawStart } from "./panels/start.js";
 import { doing, problem, say } from "./panels/status.js";
-import { drawStrides } from "./panels/strides.js";
-import { drawSuspects, point } from "./panels/suspects.js";
-import { drawTakeaway } from "./panels/takeaway.js";
-import { drawVerdict, drawWaiting } from "./panels/verdict.js";
-import { drawWatch } from "./panels/watch.js";
+import { point } from "./panels/suspects.js";
+import { drawWaiting } from "./panels/verdict.js";
 import { listenToKeys } from "./keys.js";
 import { layOut, linkToState, remembered } from "./layout.js";
 import { followSelection } from "./selection.js";
@@ -47,21 +44,14 @@ function drawAll() {
   drawRecordings();
   offerMapping(state.files);
   for (const id of ["fold-side", "show-keys"]) $(id).hidden = false;
-  for (const id of ["compare", "history", "against", "notes", "stance", "watch", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
+  for (const section of document.querySelectorAll("#work section:not(#recordings, #verdict, #strides)")) section.hidden = !state.ready;
   if (!state.ready) {
     $("strides").hidden = true;
     drawWaiting();
     return;
   }
   forget(JSON.stringify([state.recordings, state.filter, state.files.map((file) => file.samples)]));
-  drawVerdict();
-  drawLayers();
-  drawSuspects();
-  drawTakeaway();
-  drawWatch();
-  drawStrides();
-  drawSelection();
-  doing(loadCompare());
+  for (const panel of Object.values(panels)) panel.draw();
 }
 
 let shownProblem = false;
@@ -86,11 +76,11 @@ async function update() {
 
 on("state", draw);
 on("recording", () => doing(loadCompare()));
-on("recording", () => view.state.ready && drawWatch());
+on("recording", () => view.state.ready && panels.watch.draw());
 for (const what of ["cursor", "range", "preview"]) on(what, () => redraw(false));
 on("selection", () => redraw());
 on("selection", drawSelection);
-for (const what of ["explained", "pointed", "preview"]) on(what, () => view.state.ready && drawSuspects());
+for (const what of ["explained", "pointed", "preview"]) on(what, () => view.state.ready && panels.suspects.draw());
 on("state", () => view.pointed && !view.state.ranking?.suspects.some((one) => one.name === view.pointed) && look({ pointed: null, preview: null }));
 followSelection();
 catchDrops();

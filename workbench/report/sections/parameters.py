@@ -1,4 +1,4 @@
-"""The identified numbers with their intervals, and what to be careful about."""
+"""The identified parameters with their intervals, and what to be careful about."""
 
 from __future__ import annotations
 

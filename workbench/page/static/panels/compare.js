@@ -34,6 +34,11 @@ function masked(values, motion, j) {
   return memory.get(values);
 }
 
+export function draw() {
+  drawSelection();
+  doing(loadCompare());
+}
+
 export async function loadCompare() {
   const { state } = view;
   if (!state.ready) return;

@@ -7,7 +7,7 @@ import { view } from "../store.js";
 import { openOwnEffect } from "./own_effect.js";
 import { doing } from "./status.js";
 
-export function drawLayers() {
+export function draw() {
   const { layers, failed, fitted } = view.state;
   refill(document.getElementById("layers"),
     h("h2", { id: "layers-title" }, "Effects in the model"),

@@ -12,7 +12,7 @@ let strides = null; // what /api/strides answered last
 let shownFor = "";
 let surfaces = [];
 
-export function drawStrides() {
+export function draw() {
   const { key, fitted, recordings, filter } = view.state, now = JSON.stringify([key, recordings, filter]);
   if (!fitted || now === shownFor) return;
   shownFor = now;

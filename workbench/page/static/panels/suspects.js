@@ -11,7 +11,7 @@ const WEAK = 0.015; // drawn smaller below this share of the error
 let asked = null;
 let shown = null;
 
-export function drawSuspects() {
+export function draw() {
   const { ranking } = view.state;
   const place = document.getElementById("suspects-list");
   const head = h("h2", { id: "suspects-title" }, "Suspects");

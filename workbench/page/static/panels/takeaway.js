@@ -9,7 +9,7 @@ const FORMATS = { c: "C", casadi: "CasADi", numpy: "NumPy", urdf: "URDF", mjcf: 
 
 let kind = "cli";
 
-export function drawTakeaway() {
+export function draw() {
   const place = document.getElementById("takeaway");
   if (!place.firstChild) {
     const choose = h("select", { id: "copy-kind", onchange: (event) => {

@@ -25,7 +25,7 @@ export function drawWaiting() {
       : [h("p", { class: "lead" }, "Nothing to fit yet."), h("p", {}, unread ? "Say which column is what (columns …), or add another recording." : "Mark at least one recording as fitted, or add one.")]);
 }
 
-export function drawVerdict() {
+export function draw() {
   const { state } = view;
   const { verdict, joints, search } = state;
   const rows = [

@@ -15,7 +15,7 @@ let shownFor = "";
 let chosen = "";
 let surface = null;
 
-export function drawWatch() {
+export function draw() {
   const place = document.getElementById("watch"), { watch, recordings } = view.state;
   if (!place.firstChild) {
     place.append(h("div", { id: "watch-head" }), h("canvas", { class: "plot watch-plot", role: "img", "data-testid": "watch-plot", hidden: true }), h("div", { id: "watch-said", "aria-live": "polite" }));
@@ -47,7 +47,7 @@ export function drawWatch() {
   shownFor = key;
   if (watch) doing(ask("/api/watch").then((found) => {
     data = found;
-    drawWatch();
+    draw();
   }));
 }
 

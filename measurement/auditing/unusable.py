@@ -1,4 +1,5 @@
-"""Stretches in which a sensor certainly did not measure: they are masked like bad cells, and said so.
+"""What a sensor certainly did not measure: torques that are rounding are read as zero, and stretches without a
+measurement are masked like bad cells; both are said.
 
 A frozen or saturated stretch is no outlier: its rows agree with each other, so no loss can tell them from the truth.
 What is only likely stays in and is a warning of the audit (`checks/frozen.py`, `checks/saturated.py`).
@@ -11,13 +12,29 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.measurement.auditing.channels import Channel
+from exoid.measurement.auditing.channels import Channel, channels, place
 from exoid.measurement.auditing.checks import frozen, saturated
+from exoid.measurement.auditing.checks.motion import NONE
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
 MOST_MASKED = 0.3
 """Share of the rows that may be masked so; beyond, a person has to look at the recording first."""
+
+
+def without_rounding(recording: Recording) -> Recording:
+    """Read a torque that is nothing but rounding (1e-149 N·m) as the zero that it stands for, and say so."""
+    largest = [float(np.max(np.abs(one.values), initial=0.0)) for one in channels(recording, "tau")]
+    tau, findings = recording.tau.copy(), list(recording.findings)
+    for k, (joint, most) in enumerate(zip(recording.joints, largest, strict=True)):
+        if 0.0 < most <= NONE < max(largest):  # where all are, the audit refuses them as they stand
+            tau[:, k] = 0.0
+            what = f"tau{k + 1} never exceeds {most:.3g} {joint.unit('tau')}, which is rounding: it is read as zero"
+            remedy = f"is this the right column? --map tau{k + 1}=COLUMN"
+            findings.append(Finding("motion", "repaired", what, place(recording), remedy=remedy))
+    if len(findings) == len(recording.findings):
+        return recording
+    return replace(recording, tau=tau, findings=tuple(findings))
 
 
 def mask_unusable(recording: Recording) -> Recording:

@@ -1,4 +1,6 @@
-"""Time of recordings that count frames: what motion capture exports, with the rate in a line above the table."""
+"""Times made of other columns: of frames and the rate above the table, as motion capture exports them, and of seconds
+and nanoseconds, as ROS writes them.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +12,7 @@ import numpy as np
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.stamps import first_of
 
 FRAMES = frozenset({"frame", "frames", "framenumber", "item", "sample", "samples", "samplenumber", "index"})
 NAMED = re.compile(
@@ -20,6 +23,7 @@ NAMED = re.compile(
 """A line that says the rate: FREQUENCY 100, Sampling rate (Hz): 100."""
 NUMBER_ALONE = re.compile(r"^[\s,;]*(\d+(?:\.\d+)?)[\s,;]*$", re.MULTILINE)
 """A line with nothing but a number: what stands below the kind of data in files of Vicon."""
+SPLIT = re.compile(r"(?P<stem>.*?)[._/]?(?P<part>n(?:ano)?secs?|secs?)", re.IGNORECASE)
 
 
 def with_time(table: RawTable, above: str, where: str) -> RawTable:
@@ -42,3 +46,26 @@ def with_time(table: RawTable, above: str, where: str) -> RawTable:
     note = Finding("format", "info", what, where, remedy="--map t=COLUMN, if there is a clock")
     columns = (RawColumn("time", count / rate, "s"), *table.columns)
     return replace(table, columns=columns, notes=(*table.notes, note))
+
+
+def join_split(table: RawTable) -> RawTable:
+    """Return `table` with a stamp in seconds and nanoseconds (ROS: header.stamp.secs, .nsecs) as one column.
+
+    It is the instant of the measurement, so it is preferred to a column with the time of arrival.
+    """
+    halves: dict[str, dict[bool, RawColumn]] = {}
+    for column in table.columns:
+        found = SPLIT.fullmatch(column.name)
+        if found:
+            halves.setdefault(found["stem"], {})[found["part"].lower().startswith("n")] = column
+    for stem, pair in halves.items():
+        if len(pair) < 2 or not re.search(r"stamp|time|clock|^t?$", stem, re.IGNORECASE):
+            continue
+        whole, small = pair[False].values, pair[True].values
+        if np.nanmax(np.abs(small), initial=0.0) > 1e9:
+            continue
+        stamp = RawColumn(stem or "stamp", (whole - first_of(whole)) + 1e-9 * small, "s", rank=-1)
+        rest = tuple(c for c in table.columns if c is not pair[False] and c is not pair[True])
+        what = f"{pair[False].name} and {pair[True].name} were joined into the time"
+        return replace(table, columns=(stamp, *rest), notes=(*table.notes, Finding("columns", "info", what)))
+    return table
