@@ -100,6 +100,11 @@ class Intermittent:
     force: str
     foot: str
 
+    @property
+    def likeness(self) -> str:
+        """What it is told by, in words."""
+        return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
+
     def sentence(self, joints: Sequence[Joint]) -> str:
         """Return what acts when, and how large it is, for people."""
         sizes = [
