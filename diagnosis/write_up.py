@@ -105,9 +105,8 @@ def write_up(
     first = tuple(score for score in first if not is_reading(score.name))
     steps = steps_of(extensions, [one.sentence for one in accepted])
     named = {a.name: a for a in accepted}
-    told_apart = (
-        () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
-    )
+    silent = conclusion.verdict == "check_channels" or conclusion.outside  # what is compared is not the machine's
+    told_apart = () if silent else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     told = conclusion.outside or any(map(is_reading, done.found.state.names))  # the answer says more than the audit can
     length = None if told else wanted_thigh_length(last.fitted.fit, prepared)
     power = _power(done) if conclusion.verdict == "adequate" else ()

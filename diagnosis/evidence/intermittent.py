@@ -4,8 +4,9 @@ Then the model as it stands, with numbers fitted to the rest of the time alone (
 leaves noise there; what is left otherwise is far from noise, comes and goes in every recording, and is no function of
 the motion: neither with other numbers nor with smooth curves in angles and velocities is it predicted in a recording
 that was left out. A stop, a bump or another load in part of the time is one of these, and is the search's to find.
-What moves every joint as one force upwards on the last link would is the ground however well the motion predicts it:
-steps resemble each other, and soft ground is a spring at a height.
+What moves every joint is the ground however well the motion predicts it, where one force upwards on the last link would
+do it, or where it acts while that link's foot moves one way and not while it moves the other, as a foot on the ground
+does: steps resemble each other, and soft ground is a spring at a height.
 """
 
 from __future__ import annotations
@@ -50,6 +51,11 @@ BEYOND = Threshold(
     "part of it, RMS, that curves and other numbers leave in a recording left out: a stop or a bump would be taken for "
     "contact",
 )
+ONE_WAY = Threshold(
+    0.75,
+    "part of the time, both kinds alike, in which a foot moves one way while it acts and the other way otherwise, from "
+    "which it is on the ground: a hand or a load would be a foot",
+)
 TIMES = Threshold(3.0, "times that it comes and goes in half of the recordings: a load hung up once")
 ADVICE = (
     "measure it: a force plate or an instrumented treadmill (columns grf_x, grf_z), cuffs with force sensors (f1, f2), "
@@ -82,7 +88,7 @@ class Intermittent:
     """Something outside the model that acts during `share` of the time, `seconds` long at a time, every `period` s.
 
     `torque` (J,) is its RMS while it acts, `quiet` (J,) that of the error meanwhile it does not, N·m; `phase` says when
-    it acts, and `force` what force it would be, in words.
+    it acts, `force` what force it would be, and `foot` what a foot does meanwhile, in words.
     """
 
     share: float
@@ -92,6 +98,12 @@ class Intermittent:
     quiet: Float
     phase: str
     force: str
+    foot: str
+
+    @property
+    def likeness(self) -> str:
+        """What it is told by, in words."""
+        return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
 
     def sentence(self, joints: Sequence[Joint]) -> str:
         """Return what acts when, and how large it is, for people."""
@@ -104,8 +116,8 @@ class Intermittent:
             f"Something outside the model pushes in part of the time: about every {self.period:.2g} s, for "
             f"{self.seconds:.2g} s ({100 * self.share:.0f} % of the time){when}. While it acts it makes {sizes[0]} "
             f"(RMS); the rest of the time the model as it is leaves {sizes[1]}, before any filter."
-            + (f" {self.force[0].upper()}{self.force[1:]}." if self.force else "")
-            + (" Is it the ground under a foot?" if self.force else " Is it a person, or something that is touched?")
+            + "".join(f" {said[0].upper()}{said[1:]}." for said in (self.force, self.foot) if said)
+            + (f" Is it {'the ground under a foot' if self.force or self.foot else 'a person, or something touched'}?")
         )
 
 
@@ -175,8 +187,8 @@ def _intermittent(base: FittedModel) -> Intermittent | None:
     rest = [view.tau - view.columns @ x for view in views]
     weight = [(sample * np.sqrt(0.5 * view.one.rate))[:, None] for view in views]
     own = [part * w for part, w in zip(rest, weight, strict=True)]
-    force = _force(base, views, own, acts)
-    if not force or np.any(_rms(views, rest, acts) < GROUND * np.sqrt(level)):
+    force, foot = _force(base, views, own, acts), _foot(base, views, acts)
+    if not (force or foot) or np.any(_rms(views, rest, acts) < GROUND * np.sqrt(level)):
         clear = np.quantile(losses[away], 0.25) > CLEAR**2 * level
         if not clear or not _beyond_curves(views, rest, acts, float(np.sqrt(level))):
             return None
@@ -191,6 +203,7 @@ def _intermittent(base: FittedModel) -> Intermittent | None:
         quiet=sizes[1],
         phase=_phase(base, views, episodes),
         force=force,
+        foot=foot,
     )
 
 
@@ -345,6 +358,31 @@ def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int,
         for x, v in states
     ]
     return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
+
+
+def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]]) -> str:
+    """Return which way a foot on the last link moves while it acts and not otherwise, in words; "" for none."""
+    joints = placed_joints(base.model)
+    if len(joints) < 2 or not joints[-1].turns:
+        return ""
+    reach = joints[-2].length or base.model.thigh_length
+    at = Force("foot", joints[-1].name, ("grf_x", "grf_z"))
+    speeds, on = [], []
+    for view, act in zip(views, acts, strict=True):
+        motion, there = view.one.motion, view.seen.all(axis=0)
+        sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
+        forwards = np.tile((1.0, 0.0), (int(there.sum()), 1))
+        asked = pushed_torques(joints, motion.q[there], at, reach, forwards, sway)
+        speeds.append(-np.sum(asked * motion.dq[there], axis=1))  # what one newton forwards works at
+        on.append(act[there])
+    acting, speed = np.concatenate(on), np.concatenate(speeds)
+    if not acting.any() or acting.all():
+        return ""
+    back = 0.5 * (np.mean(speed[acting] < 0.0) + np.mean(speed[~acting] > 0.0))
+    if max(back, 1.0 - back) < ONE_WAY:
+        return ""
+    way, other = ("backwards", "forwards") if back > 0.5 else ("forwards", "backwards")
+    return f"a foot on the link after the {joints[-1].name} moves {way} while it acts, and {other} otherwise"
 
 
 def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]]) -> str:

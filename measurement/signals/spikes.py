@@ -3,9 +3,9 @@
 Every sample is predicted by a linear combination of its neighbours on both sides, the one that predicts this torque
 best (an autoregressive model, as clicks are found in recordings of sound: Godsill, Rayner, Digital Audio Restoration,
 Springer 1998). A sample far off is a spike where parabolas through what is before it and through what is behind it miss
-it in the same direction too; where a force jumps, its own side of the jump predicts it. What is judged so is a torque,
-or what a model leaves of one: what the model lacks has neighbours like itself, and is taken for spikes only where it
-is as brief as these.
+it in the same direction too; where a force jumps, its own side of the jump predicts it. Beside a spike one of the other
+sign is found by neighbours further away: a sensor chatters. What is judged so is a torque, or what a model leaves of
+one: what the model lacks has neighbours like itself, and is taken for spikes only where it is as brief as these.
 """
 
 from __future__ import annotations
@@ -48,6 +48,8 @@ STEPS, BISQUARE = 3, 4.7
 """Steps of the robust fit of a prediction, and deviations beyond which samples have no part in it (Tukey)."""
 AMONG = 8
 """Samples on either side among which spikes crowd."""
+BESIDE = 2
+"""Samples on either side of a spike that may chatter with it."""
 MANY = 1_000
 """Samples that it takes, at most."""
 NEARBY = 100
@@ -96,7 +98,28 @@ def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...], averaged: bool) -
         if np.array_equal(found, bad):
             break
         bad = found
-    return bad if averaged else bad | ((np.convolve(bad, np.ones(2 * AMONG + 1), mode="same") >= CROWD - 0.5) & ~lost)
+    if averaged or not bad.any():
+        return bad
+    crowded = np.convolve(bad, np.ones(2 * AMONG + 1), mode="same") >= CROWD - 0.5
+    return _with_chatter(x, bad, lost, least) | (crowded & ~lost)
+
+
+def _with_chatter(x: Float, bad: Mask, lost: Mask, least: float) -> Mask:
+    """Return the spikes `bad` (N,) and those beside a spike of the other sign: where a sensor chatters the neighbours
+    of a sample are as wrong as itself, and those further away predict it. What a model lacks has one sign for a while.
+    """
+    beside = np.ones(2 * BESIDE + 1)
+    for _ in range(ROUNDS):
+        hidden = bad | lost
+        clean = straight(x, hidden)
+        prediction = _Prediction(SIDE, clean, hidden, least, SPIKE)
+        above = prediction.missed(x, clean) > 0.0
+        against = [np.convolve(bad & side, beside, mode="same") > 0.5 for side in (~above, above)]
+        found = bad | prediction.far(x, clean, hidden, least) & np.where(above, *against) & ~lost
+        if np.array_equal(found, bad):
+            break
+        bad = found
+    return bad
 
 
 class _Prediction:
@@ -118,11 +141,17 @@ class _Prediction:
         if hidden.any():
             self.behind[self.reach + beside] = _fitted(beside, clean, hidden, least)
 
+    def _padded(self, clean: Float) -> Float:
+        ends = 2.0 * clean[0] - clean[self.reach : 0 : -1], 2.0 * clean[-1] - clean[-2 : -self.reach - 2 : -1]
+        return np.concatenate([ends[0], clean, ends[1]])
+
+    def missed(self, x: Float, clean: Float) -> Float:
+        """Return by what the `clean` samples (N,) around each one of `x` (N,) miss it."""
+        return np.asarray(x - np.convolve(self._padded(clean), self.taken[::-1], mode="valid"))
+
     def far(self, x: Float, clean: Float, hidden: Mask, least: float) -> Mask:
         """Return which samples of `x` (N,) are far off what the `clean` ones around them predict, from either side."""
-        ends = 2.0 * clean[0] - clean[self.reach : 0 : -1], 2.0 * clean[-1] - clean[-2 : -self.reach - 2 : -1]
-        padded = np.concatenate([ends[0], clean, ends[1]])
-        missed = x - np.convolve(padded, self.taken[::-1], mode="valid")
+        padded, missed = self._padded(clean), self.missed(x, clean)
         size = np.abs(missed)
         at = np.flatnonzero(size > self.bound * _usual(size, hidden, least))
         rows = padded[at[:, None] + np.arange(2 * self.reach + 1)]

@@ -2,8 +2,8 @@
 
 The first is made as gait laboratories make it, by inverse dynamics of a person whose pelvis moves (Newton and Euler,
 written without a look at the package), in a table as OpenSim writes it; the second walks in MuJoCo, whose solver
-decides what hard and soft ground do to a foot. The hip stays where it is, so the foot slides: one that sticks would
-hold the leg still.
+decides what hard and soft ground do to a foot. The hip stays where it is, so the foot slides, or grips and holds the
+leg still until it slips.
 """
 
 import numpy as np
@@ -44,11 +44,14 @@ def test_inverse_dynamics_of_gait_is_a_foot_on_the_ground(tmp_path, pelvis):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("ground", "floor"), [("0.02 1", 0.86), ("0.02 1", 0.87), ("0.05 1", 0.86), ("0.2 1", 0.86)])
-def test_mujocos_foot_on_hard_and_soft_ground_is_contact(monkeypatch, ground, floor):
+@pytest.mark.parametrize(
+    ("ground", "floor", "grip"),
+    [("0.02 1", 0.86, 0.1), ("0.02 1", 0.87, 0.1), ("0.02 1", 0.86, 1.0), ("0.05 1", 0.86, 0.1), ("0.2 1", 0.86, 1.0)],
+)
+def test_mujocos_foot_on_hard_and_soft_ground_is_contact(monkeypatch, ground, floor, grip):
     pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install 'exoid[peers]'")
     from benchmarks import mujoco_leg
 
     monkeypatch.setattr(mujoco_leg, "random_trajectory", lambda rng, limits: Walk(stride=1.4).drawn(rng))
-    leg = mujoco_leg.Leg(floor=floor, ground=ground, grip=0.1)
+    leg = mujoco_leg.Leg(floor=floor, ground=ground, grip=grip)
     said([mujoco_leg.simulate(leg, 0, index)[0] for index in range(4)])

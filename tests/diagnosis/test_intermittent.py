@@ -149,7 +149,33 @@ def test_contact_is_contact_although_curves_in_the_motion_predict_it(walks, monk
     monkeypatch.setattr(module, "BEYOND", 10.0)
     assert intermittent(base) is not None
     monkeypatch.setattr(module, "_force", lambda *given: "")
+    assert "foot" in intermittent(base).foot
+    monkeypatch.setattr(module, "_foot", lambda *given: "")
     assert intermittent(base) is None
+
+
+@pytest.mark.shows("intermittent.ONE_WAY")
+@pytest.mark.parametrize(("late", "ground"), [(0.0, True), (0.25, False)])
+def test_what_acts_while_the_foot_moves_one_way_is_the_ground_whichever_way_it_pushes(late, ground, monkeypatch):
+    """As on a person's leg, whose foot reaches beyond the link: torques change their signs in stance. Between steps, a
+    quarter of a second late, it is no foot.
+    """
+    monkeypatch.setattr(module, "BEYOND", 10.0)  # however well the motion predicts it
+
+    def stance(one, rng):
+        size = np.hypot(*walked(int(one.name[-1]))[1].T)[:, None]
+        turning = np.column_stack([np.sin(3.0 * one.t), np.cos(3.0 * one.t)])
+        return np.roll(size * turning, round(late * one.rate), axis=0)
+
+    base = with_torque(stance)
+    found = intermittent(base)
+    assert (found is not None) is ground
+    if ground:
+        assert not found.force and "backwards while it acts" in found.foot
+        monkeypatch.setattr(module, "ONE_WAY", 1.0)
+    else:
+        monkeypatch.setattr(module, "ONE_WAY", 0.5)
+    assert (intermittent(base) is None) is ground
 
 
 def test_soft_ground_at_a_height_is_contact_although_it_is_a_function_of_the_angles():

@@ -105,3 +105,16 @@ def test_beside_what_is_unknown_a_spike_is_found_as_elsewhere(period):
     assert not found[lost].any()
     assert found[hit & ~lost].mean() > 0.9 and found[hit & edge].mean() > 0.85
     assert found[~hit & ~lost].mean() < 0.02
+
+
+@pytest.mark.parametrize("length", [4, 5, 9])
+def test_of_brief_chatter_the_samples_of_either_sign_are_found(length):
+    noise, rng = 0.5, np.random.default_rng(8)
+    tau = swing(100.0, noise, seed=8)
+    false = np.zeros(tau.shape)
+    for start in range(150, 2000, 100):
+        k = np.arange(length)
+        false[start : start + length, 0] = 6.0 * np.sin(rng.uniform(1.6, 3.1) * k + rng.uniform(0.0, 6.3))
+    plain = np.abs(false) > 6.0 * noise
+    found = spikes(tau + false, 100.0)
+    assert found[plain].mean() > 0.94 and found[false == 0.0].mean() < 0.04
