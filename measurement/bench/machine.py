@@ -75,7 +75,7 @@ def _machine(model: Model, factors: np.ndarray) -> Machine:
         mass, along = heavier * MASS * LIGHTER ** depth[j], longer * 0.45 * length
         about = mass * (along**2 + thicker * 0.1 * length**2)
         own |= {(j, "m"): mass, (j, "X"): mass * along, (j, "J"): about}
-    found = base_parameters(joints, model.gravity, model.moving_base)
+    found = base_parameters(joints, model.pull, model.moving_base)
     inertial = [own[p.link, p.kind] + sum(factor * own[link, kind] for link, kind, factor in p.parts) for p in found]
     friction = [
         factor * part * LIGHTER ** depth[j]
