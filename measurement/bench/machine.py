@@ -16,7 +16,7 @@ from exoid.symbolic.columns import model_torque
 from exoid.symbolic.joints import HERE, Joint, ancestors, parents
 from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.mechanics.payload import Payload
-from exoid.symbolic.mechanics.spatial import AT, MOMENTS
+from exoid.symbolic.mechanics.spatial import AT, MOMENTS, rotation
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
 
@@ -25,7 +25,7 @@ MASS, LIGHTER, LENGTH = 4.0, 0.65, 0.30
 FRICTION = {True: (4.0, 2.0), False: (15.0, 40.0)}
 """Coulomb and viscous friction of the first joint, where it turns (N·m, N·m·s/rad) and where it slides (N, N·s/m)."""
 SHORT = 0.03
-"""m to the next joint below which a link in space is a block of half the length `LENGTH`."""
+"""m to the next joint below which a link in space is of half the length `LENGTH`."""
 RESERVE = 5.0
 """Largest torque of a drive over what the machine needs on a usual motion."""
 STRONG = 100.0
@@ -102,12 +102,17 @@ def _machine(model: Model, factors: np.ndarray) -> Machine:
 
 
 def _body(joints: Sequence[Joint], index: int, mass: float, longer: float, thicker: float) -> dict[str, float]:
-    """Return the ten parameters of a link in space: a thick rod towards the next joint, or along its own axis."""
-    below = [k for k, above in enumerate(parents(joints)) if above == index]
-    way = np.array((joints[below[0]].origin or HERE).xyz) if below else np.zeros(3)
+    """Return the ten parameters of a link in space: a thick rod towards the next joint, of the last one straight on from
+    the joint before, or a block along its own axis where these are at one place.
+    """
+    joint, below = joints[index], [k for k, above in enumerate(parents(joints)) if above == index]
+    origin = joint.origin or HERE
+    onwards = np.array(rotation(origin)).T @ origin.xyz
+    size = float(np.linalg.norm(onwards))
+    straight = LENGTH / 2.0 * (onwards / size if size >= SHORT else np.array(joint.axis or (0.0, 0.0, 1.0)))
+    way = np.array((joints[below[0]].origin or HERE).xyz) if below else straight
+    way = way if np.linalg.norm(way) >= SHORT else straight
     length = float(np.linalg.norm(way))
-    if length < SHORT:
-        way, length = LENGTH / 2.0 * np.array(joints[index].axis or (0.0, 0.0, 1.0)), LENGTH / 2.0
     centre = longer * 0.45 * way
     # Of the rod's gyration 0.1 length² lie across it, as of a planar link, and a fifth of that along it.
     unit = way / length
