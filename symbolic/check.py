@@ -120,14 +120,15 @@ def _random_links(rng: np.random.Generator, count: int, spatial: bool) -> dict[s
 
 def _newton_euler(model: Model, motion: Motion, links: dict[str, Float], swaying: BaseMotion) -> Float:
     """Return the torque (N, J) of links with their own numbers."""
-    state, still = [[*motion.q.T], [*motion.dq.T], [*motion.ddq.T]], np.zeros(len(motion))
+    q, dq, ddq = ([*rows.T] for rows in (motion.q, motion.dq, motion.ddq))
+    still = np.zeros(len(motion))
     if model.spatial:
         own = [{kind: values[k] for kind, values in links.items()} for k in range(len(model.joints))]
         return np.column_stack([
-            row + still for row in joint_torques(model.chain, pull_of(model.pull), *state, np, own)
+            row + still for row in joint_torques(model.chain, pull_of(model.pull), q, dq, ddq, np, own)
         ])
     wanted = np.zeros((len(motion), len(model.joints)))
-    for k, one in enumerate(link_torques(model.chain, model.gravity, *state, np, swaying)):
+    for k, one in enumerate(link_torques(model.chain, model.gravity, q, dq, ddq, np, swaying)):
         for kind, rows in one.items():
             wanted += links[kind][k] * np.column_stack([row + still for row in rows])
     return wanted

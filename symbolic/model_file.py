@@ -330,9 +330,11 @@ def _joint(entry: Table) -> Joint:
     if "origin" in entry.values:
         place = entry.table("origin")
         place.only("xyz", "rpy")
-        parts = [tuple(place.numbers(key, 3)) if key in place.values else (0.0, 0.0, 0.0) for key in ("xyz", "rpy")]
+        (x, y, z), (roll, pitch, yaw) = (
+            place.numbers(key, 3) if key in place.values else [0.0, 0.0, 0.0] for key in ("xyz", "rpy")
+        )
         try:
-            origin = Origin(*parts)
+            origin = Origin((x, y, z), (roll, pitch, yaw))
         except EffectError as error:
             raise entry.error("origin", error.what, error.remedy) from error
     return Joint(entry.text("name"), entry.text("kind", "revolute"), length, parent, axis, origin)

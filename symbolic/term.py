@@ -13,7 +13,6 @@ from exoid.ground.errors import EffectError
 from exoid.symbolic.effect import Effect, Shape
 from exoid.symbolic.joints import LEG, LEVER, SLIDING, Joint, is_spatial, parents
 from exoid.symbolic.language.deflection import deflected
-from exoid.symbolic.mechanics.base_parameters import absorbed_rotors
 from exoid.symbolic.quantity import JOINTS
 
 
@@ -221,9 +220,17 @@ def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str | None, ...
     if effect.custom and effect.joints != JOINTS:
         return tuple(joint for joint in effect.joints if joint in names)
     if effect.absorbed_on:
-        absorbed = absorbed_rotors(among) if is_spatial(among) else tuple(carrier is None for carrier in above)
-        return tuple(name for name, gone in zip(names, absorbed, strict=True) if not gone)
+        return tuple(name for name, gone in zip(names, _absorbed(among), strict=True) if not gone)
     return names
+
+
+def _absorbed(among: tuple[Joint, ...]) -> tuple[bool, ...]:
+    """Return of which joints (J,) the base model contains the inertia of the drive."""
+    if not is_spatial(among):
+        return tuple(carrier is None for carrier in parents(among))
+    from exoid.symbolic.mechanics.base_parameters import absorbed_rotors
+
+    return absorbed_rotors(among)
 
 
 def _power_of_angle(unit: str) -> int:

@@ -118,8 +118,11 @@ def _same_place(mine: Joint, other: Joint) -> bool:
     import numpy as np
 
     places = [joint.origin or HERE for joint in (mine, other)]
-    pairs = [(mine.axis, other.axis), (places[0].xyz, places[1].xyz), tuple(map(rotation, places))]
-    return mine.kind == other.kind and all(np.abs(np.subtract(a, b)).max() <= SAME_LENGTH for a, b in pairs)
+    first, second = (
+        np.vstack([joint.axis or np.zeros(3), place.xyz, rotation(place)])
+        for joint, place in zip((mine, other), places, strict=True)
+    )
+    return mine.kind == other.kind and bool(np.abs(first - second).max() <= SAME_LENGTH)
 
 
 def _known_body(robot: RobotFile, joint: RobotJoint, group: Sequence[str], where: str) -> Body3D | None:

@@ -52,7 +52,8 @@ def _confirm(joints: tuple[Joint, ...], pull: Vector, found: Sequence[BaseParame
     numbers = [
         links[p.link][p.kind] + sum(factor * links[link][kind] for link, kind, factor in p.parts) for p in found
     ]
-    columns = link_columns(joints, pull, *states, np, [(p.link, p.kind) for p in found])
+    turned, rates, turning = ([*rows] for rows in states)
+    columns = link_columns(joints, pull, turned, rates, turning, np, [(p.link, p.kind) for p in found])
     torques = np.zeros((count, STATES))
     for number, column in zip(numbers, columns, strict=True):
         torques += number * np.array([entry + np.zeros(STATES) for entry in column])

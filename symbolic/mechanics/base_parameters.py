@@ -172,7 +172,8 @@ def _columns(joints: tuple[Joint, ...], gravity: Gravity, moving: bool) -> dict[
     still = np.zeros(STATES)
     if is_spatial(joints):
         wanted = [(link, kind) for link in range(len(joints)) for kind in KINDS]
-        rows = link_columns(joints, pull_of(gravity), *_states(joints), np, wanted)
+        q, dq, ddq = _states(joints)
+        rows = link_columns(joints, pull_of(gravity), [*q], [*dq], [*ddq], np, wanted)
         return {
             place: np.concatenate([still + torque for torque in row]) for place, row in zip(wanted, rows, strict=True)
         }

@@ -66,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
 def _table(model: Model) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return the columns and rows that show the joints of a model."""
     if model.spatial:
-        rows = [
+        rows: list[tuple[str, ...]] = [
             (joint.name, joint.kind, _three(joint.axis), _three(origin.xyz), _three(origin.rpy), joint.parent or "")
             for joint in model.joints
             for origin in (joint.origin or HERE,)
