@@ -15,12 +15,13 @@ import numpy as np
 from exoid.symbolic.codegen.kernel import compiled
 from exoid.symbolic.codegen.translate import casadi_from_sympy
 from exoid.symbolic.codegen.tree_columns import CONFIRMED
-from exoid.symbolic.mechanics.base_parameters import base_parameters
+from exoid.symbolic.mechanics.base_parameters import base_parameters, pull_of
 from exoid.symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
 from exoid.symbolic.mechanics.mechanism import leg
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.mechanics.regressor import compare_with_printed, derive_regressor
+from exoid.symbolic.mechanics.spatial import AT, MOMENTS, joint_torques
 from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
@@ -78,20 +79,14 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
     at_rest = Motion(np.arange(float(STATES)), *(rng.normal(size=(STATES, count)) for _ in range(3)))
     base = rng.normal(size=(STATES, 5)) if model.moving_base else None
     motion = replace(at_rest, base=base)
-    mass, along, own = rng.uniform(0.5, 3.0, count), rng.uniform(0.05, 0.3, count), rng.uniform(0.01, 0.2, count)
-    links = {"J": own + mass * along**2, "X": mass * along, "m": mass}
+    links = _random_links(rng, count, model.spatial)
     phi = [
         links[p.kind][p.link] + sum(factor * links[kind][link] for link, kind, factor in p.parts)
-        for p in base_parameters(joints, model.gravity, model.moving_base)
+        for p in base_parameters(joints, model.pull, model.moving_base)
     ]
     linear = np.array([*phi, *([0.0] * 2 * count)])
     swaying = STILL if base is None else BaseMotion(*base.T)
-    torques = link_torques(joints, model.gravity, [*motion.q.T], [*motion.dq.T], [*motion.ddq.T], np, swaying)
-    still = np.zeros(STATES)
-    wanted = np.zeros((STATES, count))
-    for k, one in enumerate(torques):
-        for kind, rows in one.items():
-            wanted += links[kind][k] * np.column_stack([row + still for row in rows])
+    wanted = _newton_euler(model, motion, links, swaying)
     found = bare.inverse_dynamics(motion, linear)
     m, c = bare.mass_matrix(motion, linear), bare.coriolis(motion, linear)
     apart = bare.gravity(at_rest, linear) - bare.inverse_dynamics(at_rest, linear)
@@ -109,6 +104,34 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
         *_force_checks(model),
         agreement(model),
     )  # fmt: skip
+
+
+def _random_links(rng: np.random.Generator, count: int, spatial: bool) -> dict[str, Float]:
+    """Return {kind: (J,)} of random links that could exist."""
+    mass, along, own = rng.uniform(0.5, 3.0, count), rng.uniform(0.05, 0.3, count), rng.uniform(0.01, 0.2, count)
+    if not spatial:
+        return {"J": own + mass * along**2, "X": mass * along, "m": mass}
+    centre = along[:, None] * rng.uniform(-1.0, 1.0, (count, 3))
+    about = np.sum(centre**2, axis=1)[:, None, None] * np.eye(3) - centre[:, :, None] * centre[:, None, :]
+    tensor = own[:, None, None] * np.eye(3) + mass[:, None, None] * about
+    found = {kind: tensor[:, i, j] for kind, (i, j) in AT.items()}
+    return found | {kind: mass * centre[:, k] for k, kind in enumerate(MOMENTS)} | {"M": mass}
+
+
+def _newton_euler(model: Model, motion: Motion, links: dict[str, Float], swaying: BaseMotion) -> Float:
+    """Return the torque (N, J) of links with their own numbers."""
+    q, dq, ddq = ([*rows.T] for rows in (motion.q, motion.dq, motion.ddq))
+    still = np.zeros(len(motion))
+    if model.spatial:
+        own = [{kind: values[k] for kind, values in links.items()} for k in range(len(model.joints))]
+        return np.column_stack([
+            row + still for row in joint_torques(model.chain, pull_of(model.pull), q, dq, ddq, np, own)
+        ])
+    wanted = np.zeros((len(motion), len(model.joints)))
+    for k, one in enumerate(link_torques(model.chain, model.gravity, q, dq, ddq, np, swaying)):
+        for kind, rows in one.items():
+            wanted += links[kind][k] * np.column_stack([row + still for row in rows])
+    return wanted
 
 
 def _force_checks(model: Model) -> tuple[Check, ...]:

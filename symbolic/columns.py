@@ -243,7 +243,7 @@ def _slope(bare: Model, motion: Motion, field: str, joint: int, rigid: Float, ow
     if bare.derived or len(motion) > LONGEST_KEPT:
         return _difference(motion, field, joint, lambda moved: model_torque(bare, moved, rigid, own)).T
     kept = _DERIVED.setdefault(motion, {})
-    key = field, joint, bare.thigh_length, bare.gravity, bare.chain, bare.moving_base
+    key = field, joint, bare.thigh_length, bare.pull, bare.chain, bare.moving_base
     if key not in kept:
         columns, none = compiled(bare).pointwise, np.zeros(bare.base_count)
         kept[key] = _difference(
@@ -350,7 +350,7 @@ def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapp
     chosen = base_places(model)
     if not model.derived and len(motion) <= LONGEST_KEPT:
         # A search asks for the same motion thousands of times, each time with another effect.
-        size = model.thigh_length, model.gravity, model.chain, model.moving_base, model.forces
+        size = model.thigh_length, model.pull, model.chain, model.moving_base, model.forces
         kept = _KEPT.get(motion)
         if kept is None or kept[0] != size:
             count = np.zeros(model.base_count)

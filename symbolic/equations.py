@@ -113,7 +113,7 @@ def _base(model: Model) -> dict[str, Expr]:
 
     made = {}
     for parameter, found in zip(
-        model.inertial, base_parameters(model.chain, model.gravity, model.moving_base), strict=True
+        model.inertial, base_parameters(model.chain, model.pull, model.moving_base), strict=True
     ):
         own = ((found.link, found.kind, 1.0), *found.parts)
         made[parameter.name] = sum(

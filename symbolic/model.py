@@ -26,7 +26,7 @@ from exoid.ground.html import lines, table
 from exoid.symbolic.catalogue import find_effect
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.force import Force, channels_of, check_forces
-from exoid.symbolic.joints import LEG, Joint, check_joints, names, units
+from exoid.symbolic.joints import LEG, Joint, Vector, check_joints, is_spatial, names, three_numbers, units
 from exoid.symbolic.language.torque import check_units
 from exoid.symbolic.mechanics.body import Body
 from exoid.symbolic.mechanics.friction import friction_parameters
@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from exoid.symbolic.mechanics.mechanism import Mechanism
     from exoid.symbolic.model_file import Identified
 
+STANDARD_GRAVITY = 9.81
+"""m/s² where nobody says another."""
 INERTIAL = ("Phi1", "Phi2", "Phi3", "Phi4")
 """Base parameters of the rigid leg, kg·m²; what they are made of is derived in regressor.py."""
 
@@ -88,7 +90,7 @@ class Model(Telling):
 
     name: str = "standard leg"
     thigh_length: float = 0.40
-    gravity: float = 9.81
+    gravity: float = STANDARD_GRAVITY
     limits: Mapping[str, Limits] = field(default_factory=lambda: TABLE_1)
     terms: tuple[Term, ...] = ()
     custom: tuple[Effect, ...] = ()
@@ -101,6 +103,8 @@ class Model(Telling):
     """External forces that its recordings have measured; they are no effects, and belong to the base model."""
     wearer: Body | None = None
     """A person who wears it in all recordings, a known load: its numbers are those of the machine alone."""
+    gravity_vector: Vector | None = None
+    """Gravity (3,) m/s² in the frame of the base of a spatial machine; None where `gravity` pulls along -z."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name.endswith(".toml"):
@@ -113,6 +117,7 @@ class Model(Telling):
         object.__setattr__(self, "terms", ())
         if self.chain:
             check_joints(self.chain)
+        self._take_gravity()
         for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
             if not (math.isfinite(value) and (value > 0.0 or (self.chain and value == 0.0))):
                 raise EffectError(f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)")
@@ -126,6 +131,8 @@ class Model(Telling):
                 )
             if term.effect.custom:
                 check_units(term)
+        if self.spatial:
+            self._check_spatial()
         if self.wearer is not None:
             self.wearer.check(self.joints)
         called = [term.name for term in self.terms]
@@ -136,6 +143,20 @@ class Model(Telling):
                     f"the model has {name} twice",
                     where=self.name,
                     remedy="keep one; its numbers could not be distinguished",
+                )
+
+    def _check_spatial(self) -> None:
+        """Refuse what a spatial machine cannot have yet."""
+        for there, what, key in (
+            (self.moving_base, "a base whose motion is measured", "[base]"),
+            (bool(self.forces), "measured forces", "[[forces]]"),
+            (self.wearer is not None, "a wearer", "[wearer]"),
+        ):
+            if there:
+                raise EffectError(
+                    f"{what}: a machine whose joints have axes and origins cannot have that yet",
+                    where=self.name,
+                    remedy=f"leave {key} out, and keep the machine so meanwhile",
                 )
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -152,13 +173,36 @@ class Model(Telling):
             joints = (replace(LEG[0], length=self.thigh_length), *LEG[1:])
         object.__setattr__(self, "joints", joints)
 
+    def _take_gravity(self) -> None:
+        """Know gravity by its size and, where it is not that along -z, its vector; a vector may be given as `gravity`.
+        """
+        given = self.gravity_vector if isinstance(self.gravity, (int, float)) else self.gravity
+        if given is None:
+            return
+        vector = three_numbers(given, "gravity")
+        if not self.spatial:
+            raise EffectError(
+                "gravity is a vector, and the machine is planar",
+                where=self.name,
+                remedy="give a number, m/s² downwards within the plane",
+            )
+        size = math.hypot(*vector)
+        if given is self.gravity_vector and self.gravity not in (STANDARD_GRAVITY, size):
+            raise EffectError(
+                f"gravity is {self.gravity:g} m/s², and its vector {size:g} m/s² long",
+                where=self.name,
+                remedy="give the vector alone, as gravity",
+            )
+        object.__setattr__(self, "gravity", size)
+        object.__setattr__(self, "gravity_vector", None if vector == (0.0, 0.0, -size) else vector)
+
     @property
     def effects(self) -> tuple[str, ...]:
         """The names of its terms, "stribeck:hip", in their order."""
         return tuple(term.name for term in self.terms)
 
     @classmethod
-    def standard(cls, thigh_length: float = 0.40, gravity: float = 9.81) -> Model:
+    def standard(cls, thigh_length: float = 0.40, gravity: float = STANDARD_GRAVITY) -> Model:
         """Return the eight-parameter leg of the paper."""
         return cls(thigh_length=float(thigh_length), gravity=float(gravity))
 
@@ -228,6 +272,16 @@ class Model(Telling):
         return () if self.joints is LEG else self.joints
 
     @cached_property
+    def spatial(self) -> bool:
+        """Whether its joints move in space: they say axes and origins."""
+        return is_spatial(self.joints)
+
+    @property
+    def pull(self) -> float | Vector:
+        """Gravity as the machine's equations take it: m/s² downwards in a plane, (3,) in the base's frame in space."""
+        return (self.gravity_vector or (0.0, 0.0, 0.0 - self.gravity)) if self.spatial else self.gravity
+
+    @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints (J,)."""
         return tuple(joint.name for joint in self.joints)
@@ -247,7 +301,7 @@ class Model(Telling):
             )
         from exoid.symbolic.mechanics.base_parameters import base_parameters
 
-        found = enumerate(base_parameters(self.chain, self.gravity, self.moving_base), 1)
+        found = enumerate(base_parameters(self.chain, self.pull, self.moving_base), 1)
         return tuple(
             Parameter(f"Phi{k}", f"Φ{k} = {p.formula(self.chain)}", p.unit, 0.0 if p.positive else None, None, None)
             for k, p in found
@@ -255,12 +309,14 @@ class Model(Telling):
 
     @property
     def mixture(self) -> Float:
-        """Base parameters (P, J, 3) of inertia, first moment and mass of every link, about its upper joint."""
+        """Base parameters (P, J, 3) of inertia, first moment and mass of every link, about its upper joint; (P, J, 10)
+        of the ten of a spatial machine (`mechanics.spatial.KINDS`).
+        """
         from exoid.symbolic.mechanics.base_parameters import leg_mixture, tree_mixture
 
         if not self.chain:
             return leg_mixture(self.thigh_length)
-        return tree_mixture(self.chain, self.gravity, self.moving_base)
+        return tree_mixture(self.chain, self.pull, self.moving_base)
 
     @property
     def friction(self) -> slice:
@@ -409,6 +465,7 @@ class Model(Telling):
 
     def _repr_html_(self) -> str:
         size = f"gravity {self.gravity:g} m/s²"
+        size += f" along {self.gravity_vector}" if self.gravity_vector else ""
         machine = f"joints {', '.join(self.joint_names)}" if self.chain else f"thigh {self.thigh_length:g} m"
         linear = [(p.name, p.label, p.unit, p.min, p.max) for p in self.parameters]
         shape = [(s.name, s.shape.explains or "shape", s.shape.unit, s.shape.min, s.shape.max) for s in self.shapes]

@@ -20,7 +20,7 @@ from exoid.ground.toml_reader import Table, read_toml
 from exoid.symbolic.custom_effect import read_custom_effect
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import LEG, Joint, check_joints, is_leg
+from exoid.symbolic.joints import LEG, Joint, Origin, check_joints, is_leg, is_spatial
 from exoid.symbolic.mechanics.body import BodyError
 from exoid.symbolic.model import TABLE_1, UNLIMITED, Limits, Model
 from exoid.symbolic.quantity import JOINTS, Estimate
@@ -82,7 +82,8 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
     """Return the content of the model file as plain data."""
     content: dict[str, Any] = {"name": model.name}
     if model.chain:
-        content |= {"gravity": model.gravity, "joints": [_joint_content(model, joint) for joint in model.chain]}
+        pull = model.gravity if model.gravity_vector is None else list(model.gravity_vector)
+        content |= {"gravity": pull, "joints": [_joint_content(model, joint) for joint in model.chain]}
         content |= {"base": {"motion": "measured"}} if model.moving_base else {}
     else:
         content["geometry"] = {"thigh_length": model.thigh_length, "gravity": model.gravity}
@@ -114,6 +115,10 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
 def _joint_content(model: Model, joint: Joint) -> dict[str, Any]:
     """Return a joint and its limits; what is left out stays left out."""
     content: dict[str, Any] = {"name": joint.name, "kind": joint.kind, "length": joint.length, "parent": joint.parent}
+    if joint.axis is not None:
+        content["axis"] = list(joint.axis)
+    if joint.origin is not None:
+        content["origin"] = {"xyz": list(joint.origin.xyz), "rpy": list(joint.origin.rpy)}
     limit = model.limits.get(joint.name)
     if limit is not None:
         ends = list(limit.angle) if math.isfinite(limit.angle[0]) else None
@@ -264,7 +269,11 @@ def _machine(top: Table) -> Model:
         if key in top.values:
             raise top.error(key, f"{key} does not go with [[joints]]", "write lengths and limits below each joint")
     moving = _moving_base(top)
-    gravity = top.number("gravity", 9.81, above=-1e-300, below=100.0)
+    vector = isinstance(top.values.get("gravity"), list)
+    pull = tuple(top.numbers("gravity", 3)) if vector else ()
+    gravity = math.hypot(*pull) if vector else top.number("gravity", 9.81, above=-1e-300, below=100.0)
+    if not gravity < 100.0:
+        raise top.error("gravity", f"gravity is {gravity:g} m/s²", "give m/s²: [0, 0, -9.81]")
     entries = top.tables("joints")
     joints = tuple(_joint(entry) for entry in entries)
     try:
@@ -276,12 +285,22 @@ def _machine(top: Table) -> Model:
     given = {joint.name: _joint_limits(entry) for joint, entry in zip(joints, entries, strict=True)}
     limits = {joint: limit for joint, limit in given.items() if limit is not None}
     name = top.text("name", "unnamed machine")
+    if pull and not is_spatial(joints):
+        raise top.error("gravity", "gravity is a vector, and no joint has an axis", "give a number, m/s² downwards")
+    if moving and is_spatial(joints):
+        raise top.child("base", top.values["base"]).error(
+            "motion", "the base of a machine whose joints have axes cannot be measured yet", "leave [base] out"
+        )
     if gravity > 0.0 and not moving and is_leg(joints):
         known = {joint: limits.get(joint, UNLIMITED).filled(usual) for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)
         return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
     custom = _custom_effects(top, joints)
-    return Model(name, gravity=gravity, limits=limits, custom=custom, joints=joints, moving_base=moving)
+    vector_given = (pull[0], pull[1], pull[2]) if pull else None
+    return Model(
+        name, gravity=gravity, limits=limits, custom=custom, joints=joints, moving_base=moving,
+        gravity_vector=vector_given,
+    )  # fmt: skip
 
 
 def _moving_base(top: Table) -> bool:
@@ -296,10 +315,26 @@ def _moving_base(top: Table) -> bool:
 
 
 def _joint(entry: Table) -> Joint:
-    entry.only("name", "kind", "length", "parent", "position", "velocity", "acceleration")
+    entry.only("name", "kind", "length", "parent", "axis", "origin", "position", "velocity", "acceleration")
     length = entry.number("length", below=100.0, least=0.0) if "length" in entry.values else None
     parent = entry.text("parent") if "parent" in entry.values else None
-    return Joint(entry.text("name"), entry.text("kind", "revolute"), length, parent)
+    axis, origin = None, None
+    if "axis" in entry.values:
+        x, y, z = entry.numbers("axis", 3)
+        axis = x, y, z
+        if not any(axis):
+            raise entry.error("axis", "an axis has the length zero", "give its direction, such as [0, 0, 1]")
+    if "origin" in entry.values:
+        place = entry.table("origin")
+        place.only("xyz", "rpy")
+        (x, y, z), (roll, pitch, yaw) = (
+            place.numbers(key, 3) if key in place.values else [0.0, 0.0, 0.0] for key in ("xyz", "rpy")
+        )
+        try:
+            origin = Origin((x, y, z), (roll, pitch, yaw))
+        except EffectError as error:
+            raise entry.error("origin", error.what, error.remedy) from error
+    return Joint(entry.text("name"), entry.text("kind", "revolute"), length, parent, axis, origin)
 
 
 def _joint_limits(entry: Table) -> Limits | None:

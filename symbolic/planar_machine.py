@@ -15,7 +15,7 @@ import numpy as np
 
 from exoid.ground.suggest import nearest
 from exoid.symbolic.joints import JOINT_NAME, TAKEN, Joint
-from exoid.symbolic.model import Limits, Model
+from exoid.symbolic.model import STANDARD_GRAVITY, Limits, Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.robot_file import MOVING, RobotFile, RobotFileError, RobotJoint, numbers_of
 
@@ -25,7 +25,13 @@ NEAREST = 1e-4
 """m between two joints below which they are at one place."""
 OFF_AXIS = 0.02
 """rad by which a centre of mass may lie beside its link's axis before it becomes an effect of the model."""
-GRAVITY = 9.81
+GRAVITY = STANDARD_GRAVITY
+SPATIAL = "exoid model --from-urdf makes a spatial machine of them"
+MEASURED = 'Where it moves, measure that and write [base] motion = "measured" into the model file'
+
+
+class NotPlanarError(RobotFileError):
+    """Joints that move, but not as the links of one plane that hang straight down at zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,22 +53,20 @@ def planar_machine(
 ) -> PlanarMachine:
     """Return the planar machine that the joints called `names` (default: all that move) make.
 
-    `gravity` in m/s² is that within the plane, for one that is neither upright nor flat. RobotFileError says why joints
-    make no planar machine.
+    `gravity` in m/s² is that within the plane, for one that is neither upright nor flat. RobotFileError says what is
+    wrong with the joints, NotPlanarError why they make no planar machine.
     """
-    chosen = list(names) or [name for name, joint in robot.joints.items() if joint.kind in MOVING]
-    _check_names(robot, chosen, where)
-    joints = [robot.joints[name] for name in chosen]
-    parents = _parents(robot, joints, where)
+    joints, parents = chosen_joints(robot, names, where)
+    chosen = [joint.name for joint in joints]
     normal = _normal(joints, where)
     upright = abs(float(normal[2])) < PARALLEL
     if gravity is None:
         if not upright and abs(float(normal[2])) < 1.0 - PARALLEL:
             lean = math.degrees(math.asin(min(1.0, abs(float(normal[2])))))
-            raise RobotFileError(
+            raise NotPlanarError(
                 f"the plane of these joints leans by {lean:.1f}°: it is neither upright nor flat",
                 where=where,
-                remedy=f"say the gravity within it, such as --gravity {GRAVITY * math.cos(math.radians(lean)):.4g}",
+                remedy=SPATIAL,
             )
         level = all(one.kind == "prismatic" and abs(float(one.axis[2])) < PARALLEL for one in joints)
         gravity = GRAVITY if upright and not level else 0.0
@@ -76,23 +80,51 @@ def planar_machine(
                 plain_name(one.name),
                 "prismatic" if one.kind == "prismatic" else "revolute",
                 lengths[0] if lengths else None,
-                _carrier(k, parents[k], chosen),
+                carrier_name(k, parents[k], chosen),
             )
         )
         if made[-1].name != one.name:
             notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
-    limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := _limits(one, where))}
+    limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
     model = Model(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     for k, name in enumerate(_off_axis(robot, joints, directions, normal)):
         if name and (gravity > 0.0 or parents[k] is not None):
             model = model.with_effect(f"com_offset:{made[k].name}")
             term = model.terms[-1].name
             notes.append(f"the mass of link {made[k].name} lies beside its axis: {term} is in the model")
-    notes += _held(robot, joints)
+    notes += [f"{one} {MEASURED}" for one in held_still(robot, joints)]
     return PlanarMachine(model, tuple(chosen), tuple(notes), normal, tuple(directions))
 
 
-def _held(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[str]:
+def chosen_joints(
+    robot: RobotFile, names: Sequence[str], where: str
+) -> tuple[list[RobotJoint], list[int | None]]:
+    """Return the joints called `names` (default: all that move, carriers before what they carry), and which of them
+    carries each (J,); RobotFileError says what is wrong with them.
+    """
+    chosen = list(names) or [name for name, joint in robot.joints.items() if joint.kind in MOVING]
+    _check_names(robot, chosen, where)
+    joints = [robot.joints[name] for name in chosen]
+    if not names:
+        joints = _carriers_first(robot, joints)
+    return joints, _parents(robot, joints, where)
+
+
+def _carriers_first(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[RobotJoint]:
+    """Return joints in the order of the file, but each behind those that carry it."""
+    by_child, found = {one.child: one for one in robot.joints.values()}, dict[str, RobotJoint]()
+    wanted = {one.name for one in joints}
+    for one in joints:
+        way: list[RobotJoint] = []
+        above: RobotJoint | None = one
+        while above is not None and above.name not in found:
+            way.append(above)
+            above = by_child.get(above.parent)
+        found |= {each.name: each for each in reversed(way)}
+    return [one for one in found.values() if one.name in wanted]
+
+
+def held_still(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[str]:
     """Return what is to be said of joints that carry the machine and are not in it: it hangs from a base that stands
     still.
     """
@@ -106,12 +138,12 @@ def _held(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[str]:
             carrier = by_child.get(carrier.parent)
     return [
         f"joint {one.name!r} ({one.kind or 'of no type'}) carries the machine and is not in it: it is taken to stand "
-        'still at zero. Where it moves, measure that and write [base] motion = "measured" into the model file'
+        "still at zero."
         for one in above.values()
     ]
 
 
-def _carrier(index: int, parent: int | None, names: Sequence[str]) -> str | None:
+def carrier_name(index: int, parent: int | None, names: Sequence[str]) -> str | None:
     """Return what `parent` a joint has in a model file; None where that is the joint before, or the first's base."""
     if parent is None:
         return "base" if index else None
@@ -185,21 +217,21 @@ def _normal(joints: Sequence[RobotJoint], where: str) -> Float:
         normal = normal / np.linalg.norm(normal)
     for one in turning:
         if np.linalg.norm(np.cross(one.axis, normal)) > PARALLEL:
-            raise RobotFileError(
+            raise NotPlanarError(
                 f"the axes of {turning[0].name} and {one.name} are not parallel: they do not move in one plane",
                 where=where,
-                remedy="name joints with parallel axes with --joints; the others then stand still at zero",
+                remedy=SPATIAL,
             )
         if one.axis @ normal < 0.0:
-            raise RobotFileError(
+            raise NotPlanarError(
                 f"the axis of {one.name} points against that of {turning[0].name}: their angles have opposite signs",
                 where=where,
-                remedy=f"turn the axis of {one.name} around in a copy of the URDF, and change the sign of its column",
+                remedy=SPATIAL,
             )
     for one in joints:
         if one.kind == "prismatic" and abs(float(one.axis @ normal)) > PARALLEL:
-            raise RobotFileError(
-                f"{one.name} slides out of the plane of the others", where=where, remedy="leave it out with --joints"
+            raise NotPlanarError(
+                f"{one.name} slides out of the plane of the others", where=where, remedy=SPATIAL
             )
     return np.asarray(normal, dtype=float)
 
@@ -207,7 +239,7 @@ def _normal(joints: Sequence[RobotJoint], where: str) -> Float:
 def _directions(
     joints: Sequence[RobotJoint], parents: Sequence[int | None], normal: Float, gravity: float, where: str
 ) -> list[Float]:
-    """Return the direction (3,) of every link's axis; RobotFileError where the zero pose is not the straight one."""
+    """Return the direction (3,) of every link's axis; NotPlanarError where the zero pose is not the straight one."""
     fall = np.array([0.0, 0.0, -1.0])
     fall = fall - fall @ normal * normal
     down = fall / np.linalg.norm(fall) if np.linalg.norm(fall) > PARALLEL else None
@@ -217,10 +249,10 @@ def _directions(
         steps = [step - step @ normal * normal for step in steps]
         if any(np.linalg.norm(step) < NEAREST for step in steps):
             what = f"what hangs from {one.name} sits on its own axis"
-            raise RobotFileError(what, where=where, remedy="leave one of them out with --joints")
+            raise NotPlanarError(what, where=where, remedy=SPATIAL)
         if any(np.linalg.norm(step - steps[0]) > NEAREST for step in steps[1:]):
-            raise RobotFileError(
-                f"the joints that hang from {one.name} sit at different places", where=where, remedy="choose one branch"
+            raise NotPlanarError(
+                f"the joints that hang from {one.name} sit at different places", where=where, remedy=SPATIAL
             )
         above = down if gravity > 0.0 else None
         if parents[k] is not None:
@@ -229,8 +261,8 @@ def _directions(
         if one.kind == "prismatic":
             own = one.axis if own is None else own
             if np.linalg.norm(one.axis - own) > PARALLEL:
-                raise RobotFileError(
-                    f"{one.name} does not slide along its own link", where=where, remedy="leave it out with --joints"
+                raise NotPlanarError(
+                    f"{one.name} does not slide along its own link", where=where, remedy=SPATIAL
                 )
         if own is None:
             own = above if above is not None else np.array([1.0, 0.0, 0.0])
@@ -239,17 +271,17 @@ def _directions(
             straight = "down" if parents[k] is None else f"on from {joints[int(parents[k] or 0)].name}"
             what = f"at the file's zero, {one.name} points {abs(angle):.4g} rad away from straight {straight}"
             if one.kind == "prismatic":
-                raise RobotFileError(what, where=where, remedy="leave it out with --joints")
-            raise RobotFileError(
+                raise NotPlanarError(what, where=where, remedy=SPATIAL)
+            raise NotPlanarError(
                 what,
                 where=where,
-                remedy=f"turn the zero in a copy of the URDF, and add {angle:.6g} rad to the recorded angle",
+                remedy=SPATIAL,
             )
         found.append(own)
     return found
 
 
-def _limits(one: RobotJoint, where: str) -> Limits | None:
+def limits_in(one: RobotJoint, where: str) -> Limits | None:
     """Return the limits of a joint, infinite where the file has none; None where it has no limit at all."""
     element = one.element.find("limit")
     if element is None:

@@ -11,7 +11,7 @@ from functools import cached_property
 
 from exoid.ground.errors import EffectError
 from exoid.symbolic.effect import Effect, Shape
-from exoid.symbolic.joints import LEG, LEVER, SLIDING, Joint, parents
+from exoid.symbolic.joints import LEG, LEVER, SLIDING, Joint, is_spatial, parents
 from exoid.symbolic.language.deflection import deflected
 from exoid.symbolic.quantity import JOINTS
 
@@ -87,7 +87,9 @@ class Term:
     def _why_not(self) -> str:
         """Return the reason why the effect cannot be at its joint, where one is known."""
         effect = self.effect
-        if effect.machines != "all" and (effect.machines == "leg") != (self.among is LEG):
+        if not fits(effect, self.among):
+            if is_spatial(self.among):
+                return "machines that move in a plane alone have it"
             return "the leg with hip and knee alone has it" if effect.machines == "leg" else "the leg has others"
         if self.among is LEG:
             return effect.absorbed_on.get(str(self.joint), "")
@@ -191,12 +193,20 @@ class Term:
         return (self.first,) if self.effect.reach == "own" else (self.first, self.first + 1)
 
 
+def fits(effect: Effect, among: tuple[Joint, ...]) -> bool:
+    """Return whether machines of these joints have the effect at all."""
+    if effect.machines.startswith("planar") and is_spatial(among):
+        return False
+    kind = effect.machines.removeprefix("planar").strip()
+    return kind in ("", "all") or (kind == "leg") == (among is LEG)
+
+
 def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str | None, ...]:
     """Return the joints of a machine at which an effect can be; for one on two joints, the first of them; None for an
     effect on the whole machine.
     """
     names = tuple(joint.name for joint in among)
-    if effect.machines != "all" and (effect.machines == "leg") != (among is LEG):
+    if not fits(effect, among):
         return ()
     if effect.on_both and (among is LEG or effect.derive is not None):
         return (None,)
@@ -210,8 +220,17 @@ def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str | None, ...
     if effect.custom and effect.joints != JOINTS:
         return tuple(joint for joint in effect.joints if joint in names)
     if effect.absorbed_on:
-        return tuple(name for k, name in enumerate(names) if above[k] is not None)
+        return tuple(name for name, gone in zip(names, _absorbed(among), strict=True) if not gone)
     return names
+
+
+def _absorbed(among: tuple[Joint, ...]) -> tuple[bool, ...]:
+    """Return of which joints (J,) the base model contains the inertia of the drive."""
+    if not is_spatial(among):
+        return tuple(carrier is None for carrier in parents(among))
+    from exoid.symbolic.mechanics.base_parameters import absorbed_rotors
+
+    return absorbed_rotors(among)
 
 
 def _power_of_angle(unit: str) -> int:

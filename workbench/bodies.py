@@ -7,7 +7,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from exoid.ground.text import in_comment
+from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
 from exoid.optimisation.linear.links import LinkInertia, nearest_links
+from exoid.symbolic.mechanics.base_parameters import pull_of
 from exoid.symbolic.term import Term
 from exoid.workbench.identified import ExportError, Ready
 
@@ -47,6 +49,27 @@ def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[L
             remedy="identify with --physical or on richer motion; the other formats carry these numbers",
         )
     return found
+
+
+def bodies_of(ready: Ready, near: Sequence[Body3D] | None = None) -> tuple[Body3D, ...]:
+    """Return bodies of a spatial machine with the identified numbers, nearest to `near`; ExportError where none have
+    them.
+    """
+    import numpy as np
+
+    model = ready.model
+    found = nearest_bodies(model, np.array([ready.linear[p.name] for p in model.inertial]), near)
+    if found is None:
+        raise ExportError(
+            f"no machine of positive masses has the numbers Φ1 to Φ{len(model.inertial)}",
+            remedy="identify on richer motion, of the last joints above all; the other formats carry these numbers",
+        )
+    return found
+
+
+def gravity_of(ready: Ready) -> tuple[float, float, float]:
+    """Return gravity (3,) in the frame of the base, m/s², z upwards for a planar machine."""
+    return pull_of(ready.model.pull)
 
 
 def left_out(ready: Ready, carried: Sequence[str] = ()) -> str:

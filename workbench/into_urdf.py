@@ -14,12 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
+from exoid.optimisation.linear.bodies import Body3D, body_of
 from exoid.optimisation.linear.links import LinkInertia, tree_of
-from exoid.symbolic.joints import parents
+from exoid.symbolic.joints import HERE, Joint, parents
+from exoid.symbolic.mechanics.spatial import KINDS, rotation
+from exoid.symbolic.mechanics.spatial_energy import pseudo_inertia
 from exoid.symbolic.motion import Float
 from exoid.symbolic.planar_machine import PlanarMachine, moving_with, plain_name, planar_machine
 from exoid.symbolic.robot_file import RobotFile, RobotJoint, numbers_of, origin_of, parse_robot, read_bytes
-from exoid.workbench.bodies import friction_of, left_out, links_of
+from exoid.symbolic.spatial_machine import spatial_machine
+from exoid.workbench.bodies import bodies_of, friction_of, left_out, links_of
+from exoid.workbench.export.urdf import inertial_of
 from exoid.workbench.identified import ExportError, Ready
 
 START_TAG = re.compile(rb"<[^\s/>]+(?:\s+[^\s=>]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*\s*(/?)>")
@@ -45,20 +50,14 @@ def into_urdf(ready: Ready, path: str | Path) -> tuple[bytes, tuple[str, ...]]:
     """
     where, data = str(path), read_bytes(path)
     robot = parse_robot(data, where)
-    machine, joints = _matched(ready, robot, where)
+    joints = _named(ready, robot, where)
     groups = moving_with(robot, joints)
-    known = [
-        _known(robot, machine, k, joint, group, where)
-        for k, (joint, group) in enumerate(zip(joints, groups, strict=True))
-    ]
-    near = [one for one in known if one is not None]
-    links = links_of(ready, near if len(near) == len(known) else None)
+    texts = (_in_space if ready.model.spatial else _in_a_plane)(ready, robot, joints, groups, where)
     spans = _spans(data, where)
     edits: list[tuple[int, int, bytes]] = []
     notes: list[str] = []
     for k, (joint, group) in enumerate(zip(joints, groups, strict=True)):
-        text = _inertial(robot, machine, k, joint, links[k], where)
-        edits.append(_placed(spans, data, ("link", joint.child), "inertial", text))
+        edits.append(_placed(spans, data, ("link", joint.child), "inertial", texts[k]))
         emptied = [link for link in group if link != joint.child and ("inertial", link) in spans]
         for link in emptied:
             span = spans["inertial", link]
@@ -77,8 +76,73 @@ def into_urdf(ready: Ready, path: str | Path) -> tuple[bytes, tuple[str, ...]]:
     return data, tuple(notes)
 
 
-def _matched(ready: Ready, robot: RobotFile, where: str) -> tuple[PlanarMachine, list[RobotJoint]]:
-    """Return the planar machine of the file that is the model's, and its joints in the model's order."""
+def _in_a_plane(
+    ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], groups: Sequence[Sequence[str]], where: str
+) -> list[str]:
+    """Return the <inertial> of every joint's child link (J,)."""
+    machine = _matched(ready, robot, joints, where)
+    known = [
+        _known(robot, machine, k, joint, group, where)
+        for k, (joint, group) in enumerate(zip(joints, groups, strict=True))
+    ]
+    near = [one for one in known if one is not None]
+    links = links_of(ready, near if len(near) == len(known) else None)
+    return [
+        _inertial(robot, machine, k, joint, one, where)
+        for k, (joint, one) in enumerate(zip(joints, links, strict=True))
+    ]
+
+
+def _in_space(
+    ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], groups: Sequence[Sequence[str]], where: str
+) -> list[str]:
+    """Return the same for a spatial machine."""
+    found = spatial_machine(robot, [joint.name for joint in joints], where=where).model
+    for mine, other in zip(ready.model.joints, found.joints, strict=True):
+        if not _same_place(mine, other):
+            raise ExportError(
+                f"{mine.name} has another kind, axis or origin in the model than in the file",
+                where=where,
+                remedy="make the model from this file (exoid model --from-urdf) and identify it",
+            )
+    if parents(ready.model.joints) != parents(found.joints):
+        raise ExportError("its joints hang from each other otherwise than in the model", where=where,
+                          remedy="make the model from this file (exoid model --from-urdf) and identify it")  # fmt: skip
+    known = [_known_body(robot, joint, group, where) for joint, group in zip(joints, groups, strict=True)]
+    near = [one for one in known if one is not None]
+    return [inertial_of(one) for one in bodies_of(ready, near if len(near) == len(known) else None)]
+
+
+def _same_place(mine: Joint, other: Joint) -> bool:
+    """Whether two joints move alike, in the same place."""
+    import numpy as np
+
+    places = [joint.origin or HERE for joint in (mine, other)]
+    first, second = (
+        np.vstack([joint.axis or np.zeros(3), place.xyz, rotation(place)])
+        for joint, place in zip((mine, other), places, strict=True)
+    )
+    return mine.kind == other.kind and bool(np.abs(first - second).max() <= SAME_LENGTH)
+
+
+def _known_body(robot: RobotFile, joint: RobotJoint, group: Sequence[str], where: str) -> Body3D | None:
+    """Return what the file says about the body that moves with a joint, in its frame; None where it is no body."""
+    import numpy as np
+
+    numbers = np.zeros(10)
+    for link in group:
+        if link in robot.masses:
+            own, place = robot.masses[link]
+            tensor = joint.frame.T @ _tensor(robot, link, where) @ joint.frame
+            numbers = numbers + Body3D(own, joint.frame.T @ (place - joint.place), tensor).numbers
+    if not numbers[-1] > 0.0:
+        return None
+    positive = np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, numbers, strict=True))))[0] > 0.0
+    return body_of(numbers) if positive else None
+
+
+def _named(ready: Ready, robot: RobotFile, where: str) -> list[RobotJoint]:
+    """Return the model's joints in the file, in the model's order."""
     names, found = {plain_name(name): name for name in robot.joints}, []
     for joint in ready.model.joint_names:
         if joint not in names:
@@ -86,8 +150,13 @@ def _matched(ready: Ready, robot: RobotFile, where: str) -> tuple[PlanarMachine,
                 f"the URDF has no joint {joint!r}", where=where,
                 remedy=f"its joints are {', '.join(robot.joints)}; exoid model --from-urdf makes a model of them",
             )  # fmt: skip
-        found.append(names[joint])
-    machine = planar_machine(robot, found, ready.model.gravity, where)
+        found.append(robot.joints[names[joint]])
+    return found
+
+
+def _matched(ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], where: str) -> PlanarMachine:
+    """Return the planar machine of the file that is the model's."""
+    machine = planar_machine(robot, [joint.name for joint in joints], ready.model.gravity, where)
     for mine, other in zip(tree_of(ready.model), machine.model.chain, strict=True):
         lengths = [0.0 if one.length is None else one.length for one in (mine, other)]
         if mine.kind != other.kind or (other.length is not None and abs(lengths[0] - lengths[1]) > SAME_LENGTH):
@@ -100,7 +169,7 @@ def _matched(ready: Ready, robot: RobotFile, where: str) -> tuple[PlanarMachine,
     if parents(tree_of(ready.model)) != parents(machine.model.chain):
         raise ExportError("its joints hang from each other otherwise than in the model", where=where,
                           remedy="make the model from this file (exoid model --from-urdf) and identify it")  # fmt: skip
-    return machine, [robot.joints[name] for name in found]
+    return machine
 
 
 def _known(

@@ -37,7 +37,7 @@ from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import combined_map, conventions
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import Joint, is_leg, parents
+from exoid.symbolic.joints import Joint, is_leg, is_spatial, parents
 
 CHECK = "convention"
 GOOD = Threshold(
@@ -119,7 +119,11 @@ def _read_so(
 
 
 def _known(joints: Sequence[Joint]) -> bool:
-    """Whether the lengths of a machine are known, or need not be: joints that nobody named have none."""
+    """Whether the lengths of a machine are known, or need not be: joints that nobody named have none. What explains
+    readings is the machine in its plane; nothing of a spatial one is read otherwise than its model says.
+    """
+    if is_spatial(joints):
+        return False
     return is_leg(joints) or all(above is None or joints[above].length is not None for above in parents(joints))
 
 

@@ -6,15 +6,17 @@ recording can show of masses, first moments and inertias are the base parameters
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from exoid.symbolic.columns import model_torque
-from exoid.symbolic.joints import ancestors
+from exoid.symbolic.joints import HERE, Joint, ancestors, parents
 from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.mechanics.spatial import AT, MOMENTS, rotation
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
 
@@ -22,6 +24,8 @@ MASS, LIGHTER, LENGTH = 4.0, 0.65, 0.30
 """kg of the first link, the share of it that the next one has, and m of a link that carries nothing."""
 FRICTION = {True: (4.0, 2.0), False: (15.0, 40.0)}
 """Coulomb and viscous friction of the first joint, where it turns (N·m, N·m·s/rad) and where it slides (N, N·s/m)."""
+SHORT = 0.03
+"""m to the next joint below which a link in space is of half the length `LENGTH`."""
 RESERVE = 5.0
 """Largest torque of a drive over what the machine needs on a usual motion."""
 STRONG = 100.0
@@ -71,11 +75,15 @@ def _machine(model: Model, factors: np.ndarray) -> Machine:
     own: dict[tuple[int, str], float] = {}
     for j, joint in enumerate(joints):
         heavier, longer, thicker = factors[j, :3]
+        mass = heavier * MASS * LIGHTER ** depth[j]
+        if model.spatial:
+            own |= {(j, kind): value for kind, value in _body(joints, j, mass, longer, thicker).items()}
+            continue
         length = joint.length or LENGTH
-        mass, along = heavier * MASS * LIGHTER ** depth[j], longer * 0.45 * length
+        along = longer * 0.45 * length
         about = mass * (along**2 + thicker * 0.1 * length**2)
         own |= {(j, "m"): mass, (j, "X"): mass * along, (j, "J"): about}
-    found = base_parameters(joints, model.gravity, model.moving_base)
+    found = base_parameters(joints, model.pull, model.moving_base)
     inertial = [own[p.link, p.kind] + sum(factor * own[link, kind] for link, kind, factor in p.parts) for p in found]
     friction = [
         factor * part * LIGHTER ** depth[j]
@@ -91,6 +99,28 @@ def _machine(model: Model, factors: np.ndarray) -> Machine:
     inertia = [float(np.median(torque[:, j])) for j, torque in enumerate(pushed)]
     need = np.abs(model_torque(model, motion, base)).max(axis=0)
     return Machine(model.name, tuple(base.tolist()), tuple((RESERVE * need).tolist()), tuple(inertia))
+
+
+def _body(joints: Sequence[Joint], index: int, mass: float, longer: float, thicker: float) -> dict[str, float]:
+    """Return the ten parameters of a link in space: a thick rod towards the next joint, of the last one straight on from
+    the joint before, or a block along its own axis where these are at one place.
+    """
+    joint, below = joints[index], [k for k, above in enumerate(parents(joints)) if above == index]
+    origin = joint.origin or HERE
+    onwards = np.array(rotation(origin)).T @ origin.xyz
+    size = float(np.linalg.norm(onwards))
+    straight = LENGTH / 2.0 * (onwards / size if size >= SHORT else np.array(joint.axis or (0.0, 0.0, 1.0)))
+    way = np.array((joints[below[0]].origin or HERE).xyz) if below else straight
+    way = way if np.linalg.norm(way) >= SHORT else straight
+    length = float(np.linalg.norm(way))
+    centre = longer * 0.45 * way
+    # Of the rod's gyration 0.1 length² lie across it, as of a planar link, and a fifth of that along it.
+    unit = way / length
+    own = mass * thicker * 0.1 * length**2 * (np.eye(3) - 0.8 * np.outer(unit, unit))
+    tensor = own + mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    found = {kind: float(tensor[place]) for kind, place in AT.items()}
+    found |= {kind: mass * float(centre[k]) for k, kind in enumerate(MOMENTS)}
+    return found | {"M": mass}
 
 
 def _usual(model: Model) -> Motion:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from exoid.ground.errors import RecordingError
 from exoid.ground.suggest import did_you_mean
 from exoid.measurement.recording import Recording
-from exoid.symbolic.joints import LEG, Joint, ancestors, is_leg, names
+from exoid.symbolic.joints import LEG, Joint, ancestors, is_leg, is_spatial, names
 from exoid.symbolic.motion import Float
 from exoid.symbolic.units import DEGREE
 
@@ -114,7 +114,9 @@ UNUSUAL = {"hip-extension-positive": 0.2, "shank-from-horizontal-backwards": 0.0
 @lru_cache(maxsize=64)
 def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Convention]:
     """Return every convention with a name that recordings of a machine with these `joints` may keep, by name."""
-    found = [*_swaps(joints), *_signs(joints), *_zeros(joints), *_absolute(joints)]
+    found = [*_swaps(joints), *_signs(joints)]
+    if not is_spatial(joints):  # angles against the vertical, and links in line with each other, are those of a plane
+        found += [*_zeros(joints), *_absolute(joints)]
     if any(joint.turns for joint in joints):
         degrees = _rows(joints, {(k, k): DEGREE for k, joint in enumerate(joints) if joint.turns})
         found.append(

@@ -13,6 +13,7 @@ import numpy as np
 
 from exoid.ground.ties import index_of_least
 from exoid.measurement.finding import Finding
+from exoid.optimisation.linear.bodies import nearest_bodies
 from exoid.optimisation.linear.links import nearest_links
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
@@ -153,8 +154,18 @@ def _links(model: Model, linear: Float) -> list[Finding]:
     count = len(model.inertial)
     if any(p.min is not None and value <= p.min for p, value in zip(model.inertial, linear, strict=False)):
         return []  # `_bounds` has said it
-    if nearest_links(model, np.asarray(linear[:count])) is not None:
+    phi = np.asarray(linear[:count])
+    if model.spatial:
+        return [] if nearest_bodies(model, phi) is not None else [_no_bodies(count)]
+    if nearest_links(model, phi) is not None:
         return []
     what = f"no links of positive mass and inertia have Φ1 to Φ{count}"
     remedy = "its torque prediction may still be good; --physical asks for the best fit that a machine can have"
     return [Finding("realisable", "warning", what, f"Phi1..Phi{count}", 0.0, 0.0, remedy)]
+
+
+def _no_bodies(count: int) -> Finding:
+    """Return the same of an arm in space. It is no warning: the inertia of a hand is often smaller than its interval."""
+    what = f"no bodies of positive mass and inertia have exactly Φ1 to Φ{count}"
+    remedy = "its torque prediction may still be good; faster motion of the last joints determines their small inertias"
+    return Finding("realisable", "info", what, f"Phi1..Phi{count}", 0.0, 0.0, remedy)

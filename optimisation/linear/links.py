@@ -31,6 +31,9 @@ SETTLED = 1e-14
 """What a further step of it would gain at the optimum."""
 
 
+Matrices = NDArray[np.complex128] | Float
+
+
 @dataclass(frozen=True)
 class LinkInertia:
     """A link: `inertia` about its joint kg·m², first moments `along` its axis and `across` it kg·m, `mass` kg."""
@@ -90,7 +93,7 @@ def nearest_links(
         [_hermitian(j, 0.5 * x, 0.0, m) for j, x, m in row] for row in (scaled / size[:, None]).reshape(-1, count, 3)
     ]
     beside = [[_hermitian(0.0, 0.0, 0.5 * float(k == i), 0.0) for i in range(count)] for k in range(count)]
-    bodies = _nearest(before, np.array([*weights, *beside]), np.append(phi / size, aside / unit[:, 1]))
+    bodies = nearest_matrices(before, np.array([*weights, *beside]), np.append(phi / size, aside / unit[:, 1]))
     if bodies is None:
         return None
     found = (np.column_stack([bodies[:, 0, 0].real, bodies[:, 0, 1].real, bodies[:, 1, 1].real]) * unit).ravel()
@@ -110,17 +113,17 @@ def _hermitian(inertia: float, along: float, across: float, mass: float) -> NDAr
     return np.array([[inertia, along + 1j * across], [along - 1j * across, mass]])
 
 
-def _nearest(
-    before: NDArray[np.complex128], weights: NDArray[np.complex128], values: Float
+def nearest_matrices(
+    before: Matrices, weights: Matrices, values: Float
 ) -> NDArray[np.complex128] | None:
-    """Return the matrices P (J, 2, 2) nearest to `before` for which Σ_k tr(W_pk P_k) are `values` (P,); None for none.
+    """Return the Hermitian matrices P (J, n, n) nearest to `before` for which Σ_k tr(W_pk P_k) are `values` (P,); None for none.
 
     Newton's method on the dual problem, max Σ log det S_k + ν·values with S = P₀⁻¹ - Σ_p ν_p W_p and P = S⁻¹. It has
     no conditions but that S is positive definite, which it is at ν = 0, and is unbounded where there is no P.
     """
     start, multipliers = np.linalg.inv(before), np.zeros(len(values))
 
-    def worth(nu: Float) -> tuple[float, NDArray[np.complex128]]:
+    def worth(nu: Float) -> tuple[float, Matrices]:
         s = start - np.einsum("p,pkij->kij", nu, weights)
         sizes = np.linalg.eigvalsh(s)
         if not sizes.min() > TINY:

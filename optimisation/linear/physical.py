@@ -30,6 +30,7 @@ from typing import Any
 
 import numpy as np
 
+from exoid.ground.errors import EffectError
 from exoid.ground.plain import AsJson
 from exoid.optimisation.linear.certificate import Certificate, Condition, certify
 from exoid.optimisation.linear.factor import factorise
@@ -189,10 +190,18 @@ class Lift:
 
 
 def physics(model: Model) -> Physics:
-    """Return what is possible for `model`: the bounds of its parameters, and of its masses where it has Φ1 to Φ4."""
+    """Return what is possible for `model`: the bounds of its parameters, and of its masses where it has Φ1 to Φ4;
+    EffectError for a spatial machine.
+    """
     names = tuple(p.name for p in model.parameters)
     low = np.array([-np.inf if p.min is None else p.min for p in model.parameters], dtype=float)
     high = np.array([np.inf if p.max is None else p.max for p in model.parameters], dtype=float)
+    if model.spatial:
+        raise EffectError(
+            "a fit among possible machines alone is made of planar ones, and this one is spatial",
+            where=model.name,
+            remedy="leave physical out; what is impossible about the numbers is said of every fit",
+        )
     if model.chain:
         return Physics(names, low, high, (), _lift(model, names, low, high))
     if any(f"Phi{k}" not in names for k in range(1, 5)):

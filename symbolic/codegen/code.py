@@ -36,6 +36,8 @@ def meanings(model: Model) -> dict[str, str]:
     rigid, end = "leg", "the shank `reach` m below the knee"
     if model.chain:
         rigid, end = "machine", f"the last link `reach` m beyond {model.joint_names[-1]}"
+    if model.spatial:
+        end = f"the last link, `reach` m along the axis of {model.joint_names[-1]}, in the frame of the base"
     if not all(joint.turns for joint in model.joints):
         torque, rate = "N m or N", "rad/s^2 or m/s^2"
     return {
@@ -46,7 +48,7 @@ def meanings(model: Model) -> dict[str, str]:
         "mass_matrix": f"M, {square} by columns, of the rigid {rigid}",
         "coriolis": f"Christoffel C, {square} by columns, of the rigid {rigid}",
         "gravity": f"G ({names}) of the rigid {rigid}, {torque}",
-        "jacobian": f"J, 2 x {len(model.joints)} by columns, of a point on {end}",
+        "jacobian": f"J, {3 if model.spatial else 2} x {len(model.joints)} by columns, of a point on {end}",
     }
 
 
@@ -162,7 +164,7 @@ def model_record(model: Model) -> dict[str, Any]:
     return {
         "name": model.name,
         **lengths,
-        "gravity": model.gravity,
+        "gravity": model.gravity if model.gravity_vector is None else list(model.gravity_vector),
         **({"base": "measured"} if model.moving_base else {}),
         **({"forces": {force.name: list(force.columns) for force in model.forces}} if model.forces else {}),
         "terms": [term.name for term in model.terms],
@@ -180,7 +182,7 @@ def column_name(model: Model, parameter: int) -> str:
 def inertial(model: Model) -> dict[str, str]:
     """Return {name: formula} of the base parameters in masses, lengths and inertias, as derived."""
     if model.chain:
-        found = base_parameters(model.chain, model.gravity, model.moving_base)
+        found = base_parameters(model.chain, model.pull, model.moving_base)
         return {p.name: base.formula(model.chain) for p, base in zip(model.inertial, found, strict=True)}
     form = derive_regressor(model.mechanism)
     return {name: str(formula) for name, formula in zip(form.names, form.parameters, strict=True)}
@@ -223,7 +225,7 @@ def _loops(model: Model, memories: int, entries: int) -> str:
     extras = {"forward_dynamics": joints, "jacobian": 1}
     text = f"\n/* Loops over samples: `state` (n, {states}), `memory` (n, K), `extra` and `out` row by row. */\n"
     text += '#ifdef __cplusplus\nextern "C" {\n#endif\n'
-    for name, width in {"columns": entries, **widths(joints)}.items():
+    for name, width in {"columns": entries, **widths(joints, model.spatial)}.items():
         text += _LOOP.format(
             prefix=PREFIX, name=name, width=width, extra=extras.get(name, 0), memories=memories, states=states
         )

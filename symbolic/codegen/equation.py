@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import EffectError
 from exoid.symbolic.codegen.layout import BASE_STATE, STEMS, force_names, state_names
+from exoid.symbolic.codegen.spatial_columns import spatial_columns
 from exoid.symbolic.codegen.translate import casadi_from_sympy
 from exoid.symbolic.codegen.tree_columns import LONGEST_SYMBOLIC, tree_columns
 from exoid.symbolic.language.deflection import STATES
@@ -25,7 +26,8 @@ from exoid.symbolic.mechanics.lagrange import christoffel, mechanics
 from exoid.symbolic.mechanics.mechanism import machine, real
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, point
 from exoid.symbolic.mechanics.rigid import changed, leg_columns, symbols_of
-from exoid.symbolic.mechanics.tree import tree_changes
+from exoid.symbolic.mechanics.spatial import end_point
+from exoid.symbolic.mechanics.tree import offset_changes, tree_changes
 from exoid.symbolic.mechanics.virtual_work import force_torques
 
 if TYPE_CHECKING:
@@ -117,10 +119,13 @@ class _Builder:
     def expressions(self) -> Expressions:
         ca = self.ca
         rigid_torque = self._rigid({**self.state, **self.numbers, **self.sizes})
+        inertial = len(self.columns)
         for term in friction(self.model.joints):
             self._text(term, {"c": term.name})
         self._forces({**self.state, **self.numbers, **self.sizes})
-        base = self._sum(self.columns)
+        # In space the columns of a whole arm are many times longer than its torque.
+        spatial = self.model.spatial
+        base = rigid_torque + self._sum(self.columns[inertial:]) if spatial else self._sum(self.columns)
         for j in range(self.count):
             self.words |= {f"tau_rigid{j + 1}": rigid_torque[j], f"tau_model{j + 1}": base[j]}
         if any(uses_slopes(term) for term in self.model.terms):
@@ -187,7 +192,7 @@ class _Builder:
 
     def _rigid(self, symbols: dict[str, Any]) -> Any:
         if self.model.chain:
-            return self._tree(symbols)
+            return self._space(symbols) if self.model.spatial else self._tree(symbols)
         names, matrix = leg_columns(self.model.derived)
         for k, name in enumerate(names):
             for joint, value in enumerate(casadi_from_sympy(list(matrix[:, k]), symbols)):
@@ -222,7 +227,7 @@ class _Builder:
             angle, rate, turning, ax, az = (self.state[name] for name in BASE_STATE)
             base = BaseMotion(angle, rate, turning, base.forward + ax, base.upward + az)
         found = tree_columns(joints, model.gravity, q, dq, ddq, base, across, model.moving_base, self.longest, lengths)
-        own = [self.numbers[p.name] for p in model.parameters if p.term in {term.name for term in model.derived}]
+        own = self._own_numbers()
         for p, column in enumerate(found[:inertial]):
             rest = [self._without(entry, own) for entry in column]
             self.columns += [(joint, p, entry) for joint, entry in enumerate(rest) if not entry.is_zero()]
@@ -235,6 +240,34 @@ class _Builder:
         end = ca.vertcat(*point(joints, q, self.count - 1, self.reach, ca, base))
         self.jacobian = ca.jacobian(end, ca.vertcat(*(self.state[f"theta{k + 1}"] for k in range(self.count))))
         return self._sum(self.columns)
+
+    def _space(self, symbols: dict[str, Any]) -> Any:
+        """Add the columns of a spatial machine, Newton and Euler's; Lagrange confirms them."""
+        ca, model, joints = self.ca, self.model, self.model.chain
+        q, dq, ddq = ([self.state[f"{stem}{k + 1}"] for k in range(self.count)] for stem in STEMS[:3])
+        added = [ca.SX(0)] * self.count
+        angles, own = q, self._own_numbers()
+        if model.derived:
+            mechanism, torques_added, _ = changed(machine(joints), model.derived)
+            translated = casadi_from_sympy([*offset_changes(mechanism), *torques_added], symbols)
+            q = [angle + more for angle, more in zip(q, translated, strict=False)]
+            added = translated[self.count :]
+        columns, rigid = spatial_columns(model, q, dq, ddq, self.linear)
+        first = len(self.columns)
+        for p, column in enumerate(columns):
+            rest = [self._without(entry, own) for entry in column]
+            self.columns += [(joint, p, entry) for joint, entry in enumerate(rest) if not entry.is_zero()]
+        for joint in range(self.count):
+            self._add_slopes(joint, rigid[joint] + added[joint], own)
+        self.reach = ca.SX.sym("reach")
+        self.jacobian = ca.jacobian(ca.vertcat(*end_point(joints, q, self.reach, ca)), ca.vertcat(*angles))
+        slopes = [entry for entry in self.columns[first:] if entry[1] >= len(columns)]
+        return ca.vertcat(*(self._without(entry, own) for entry in rigid)) + self._sum(slopes)
+
+    def _own_numbers(self) -> list[Any]:
+        """Return the linear numbers of the terms that change the mechanism."""
+        own = {term.name for term in self.model.derived}
+        return [self.numbers[p.name] for p in self.model.parameters if p.term in own]
 
     def _without(self, expression: Any, symbols: list[Any]) -> Any:
         """Return an expression with `symbols` at zero."""

@@ -17,10 +17,10 @@ from weakref import WeakKeyDictionary
 
 from exoid.ground.cache import cache_folder, read_trusted
 from exoid.ground.files import sha256, write_whole
+from exoid.symbolic.joints import HERE, Joint
 
 if TYPE_CHECKING:
     from exoid.symbolic.effect import Effect
-    from exoid.symbolic.joints import Joint
     from exoid.symbolic.model import Model
     from exoid.symbolic.term import Term
 
@@ -52,6 +52,8 @@ def model_data(model: Model) -> dict[str, Any]:
     if model.chain:
         content = {"joints": [joint_record(joint) for joint in model.chain]}
         content |= {"base": "measured"} if model.moving_base else {}
+    if model.gravity_vector is not None:
+        content["pull"] = [value.hex() for value in model.gravity_vector]
     if model.forces:
         content["forces"] = [astuple(force) for force in model.forces]
     return {**content, "gravity": model.gravity.hex(), "terms": [term_content(term) for term in model.terms]}
@@ -59,7 +61,11 @@ def model_data(model: Model) -> dict[str, Any]:
 
 def joint_record(joint: Joint) -> dict[str, Any]:
     """Return a joint as plain data."""
-    return {"name": joint.name, "kind": joint.kind, "length": joint.length, "parent": joint.parent}
+    record = {"name": joint.name, "kind": joint.kind, "length": joint.length, "parent": joint.parent}
+    if joint.axis is None:
+        return record
+    origin = joint.origin or HERE
+    return record | {"axis": list(joint.axis), "origin": [*origin.xyz, *origin.rpy]}
 
 
 def term_content(term: Term) -> dict[str, Any]:

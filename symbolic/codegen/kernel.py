@@ -95,7 +95,9 @@ class Compiled:
         return self._run("gravity", self._state(motion), values, shapes, None, None)
 
     def jacobian(self, motion: Motion, reach: float, shape: Float | None = None) -> Float:
-        """Return J (N, 2, J) of the point `reach` m down the last link (rows: forward, upward)."""
+        """Return J (N, 2, J) of the point `reach` m down the last link (rows: forward, upward); of a spatial machine
+        (N, 3, J) of the point `reach` m from the last joint's origin along its axis, in the frame of the base.
+        """
         return self._matrix("jacobian", motion, np.zeros(len(self.model.parameters)), shape, float(reach))
 
     def pointwise(self, motion: Motion, linear: Float, shape: Float, memory: Float | None = None) -> Float:
@@ -151,7 +153,7 @@ class Compiled:
         self, name: str, state: Float, linear: Float, shape: Float, memory: Float | None, extra: Float | None
     ) -> Float:
         """Evaluate one function at all samples; the result is (N, width)."""
-        size = len(self.entries) if name == "columns" else widths(len(self.model.joints))[name]
+        size = len(self.entries) if name == "columns" else widths(len(self.model.joints), self.model.spatial)[name]
         out = np.zeros((len(state), size))
         if not out.size:
             return out

@@ -22,10 +22,12 @@ def force_names(count: int) -> tuple[str, ...]:
     return tuple(f"force{k + 1}" for k in range(count))
 
 
-def widths(count: int) -> dict[str, int]:
-    """Return {function: numbers per sample} for `count` joints, without the columns."""
+def widths(count: int, spatial: bool = False) -> dict[str, int]:
+    """Return {function: numbers per sample} for `count` joints, without the columns; a point has two coordinates in a
+    plane and three in space.
+    """
     square = count * count
     return {
         "inverse_dynamics": count, "forward_dynamics": count, "mass_matrix": square, "coriolis": square,
-        "gravity": count, "jacobian": 2 * count,
+        "gravity": count, "jacobian": (3 if spatial else 2) * count,
     }  # fmt: skip

@@ -35,6 +35,7 @@ EFFECT = Effect(
     explains="What the machine hangs from sways (a soft stand, a walking wearer), and shakes it.",
     derive=derive,
     joints=("both",),
+    machines="planar",
     coefficients={
         "x_s": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.5, explains="forward, sine part"),
         "x_c": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.0, explains="forward, cosine part"),

@@ -23,7 +23,7 @@ EFFECT = Effect(
     title="Mass off axis",
     explains="The link is heavier in front or behind (a motor, a box), so it does not hang straight.",
     derive=derive,
-    machines="others",
+    machines="planar others",
     coefficients={
         "m_y": Coefficient("kg·m", min=-5.0, max=5.0, typical=0.2, explains="mass times distance, forward positive")
     },

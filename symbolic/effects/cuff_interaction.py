@@ -29,6 +29,7 @@ EFFECT = Effect(
     explains="Something holds the last link back like a spring and a damper, as a relaxed leg in the cuff of a shank.",
     derive=derive,
     joints=("both",),
+    machines="planar",
     coefficients={
         "k": Coefficient("N/m", min=0.0, typical=200.0, explains="stiffness of what holds it"),
         "d": Coefficient("N·s/m", min=0.0, typical=30.0, explains="damping of what holds it"),

@@ -24,6 +24,7 @@ EFFECT = Effect(
     explains="The frame leans, or the zero of the first encoder is off, so nothing hangs where the model expects.",
     derive=derive,
     joints=("both",),
+    machines="planar",
     shape={
         "tilt": Shape(
             "rad",

@@ -61,8 +61,14 @@ class Payload:
 
     def added(self, model: Model) -> Float:
         """Return what it adds to the base parameters (P,) of a model's machine; PayloadError where that has no such
-        link.
+        link, and for a spatial machine.
         """
+        if model.spatial:
+            raise PayloadError(
+                "a known mass hangs on the axis of a link, and those of a spatial machine have none",
+                where=str(self),
+                remedy="leave it out, and make a model file of the machine with that mass for such recordings",
+            )
         names = model.joint_names if model.chain else LINKS
         if self.link not in (*names, "shank"):
             raise self._no_link(" or ".join(names))

@@ -95,6 +95,20 @@ def tree_changes(mechanism: Mechanism) -> TreeChanges:
     return TreeChanges(mechanism.joint_offset, moments, lengths, pull)
 
 
+def offset_changes(mechanism: Mechanism) -> list[Expr]:
+    """Return the offsets of the joints (J,) of a spatial machine that effects changed; EffectError for any other
+    change.
+    """
+    plain = machine(mechanism.joints)
+    if replace(mechanism, joint_offset=plain.joint_offset) != plain:
+        raise EffectError(
+            "links, tilt and base acceleration are those of a machine in a plane, and this one is spatial",
+            where="derive()",
+            remedy="change joint_offset, or return torques",
+        )
+    return list(mechanism.joint_offset)
+
+
 class _Tree:
     """Angles, rates and origins of the links, and energies per unit parameter."""
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from exoid.symbolic import read_model
-from exoid.symbolic.planar_machine import moving_with, planar_machine
+from exoid.symbolic.planar_machine import NotPlanarError, moving_with, planar_machine
 from exoid.symbolic.robot_file import RobotFileError, parse_robot, read_robot
+from exoid.symbolic.spatial_machine import robot_machine
 from exoid.workbench.command import main
 
 LEG = """<?xml version="1.0"?>
@@ -106,11 +107,41 @@ def test_a_file_of_macros_is_to_be_expanded_first(tmp_path):
     assert "expand it first: xacro" in refused.value.remedy
 
 
-def test_a_zero_that_is_elsewhere_is_told_with_the_angle_to_add(tmp_path):
+def test_a_zero_that_is_elsewhere_makes_a_spatial_machine(tmp_path):
     text = LEG.replace('<axis xyz="0 -1 0"/><limit', '<axis xyz="0 -1 0"/><limit', 1)
     text = text.replace('xyz="0 0.02 -0.42" rpy', f'xyz="{0.42 * np.sin(0.3)} 0.02 {-0.42 * np.cos(0.3)}" rpy')
-    with pytest.raises(RobotFileError, match=r"add 0\.3 rad to the recorded angle"):
+    with pytest.raises(NotPlanarError, match=r"0\.3 rad away from straight down"):
         planar_machine(robot(tmp_path, text), ["hip", "knee"])
+    found = robot_machine(robot(tmp_path, text), ["hip", "knee"])
+    assert found.model.spatial and "away from straight down" in found.notes[0]
+
+
+def test_what_is_planar_stays_so(tmp_path):
+    found = robot_machine(robot(tmp_path), ["hip", "knee", "ankle"])
+    assert found.model.joints == planar_machine(robot(tmp_path), ["hip", "knee", "ankle"]).model.joints
+    assert not found.model.spatial
+
+
+def test_any_tree_in_space_is_a_machine_without_editing_the_file(tmp_path):
+    """All that move, in an order of ours; a joint left out and fixed ones become a part of the way."""
+    text = LEG.replace('<axis xyz="-1 0 0"/>', '<axis xyz="2 0 0"/>')
+    swapped = text.replace('<robot name="walker">', '<robot name="walker"><joint name="toe" type="prismatic">'
+                           '<parent link="foot"/><child link="tip"/><origin rpy="1.5708 0 0"/><axis xyz="0 0 1"/></joint>')
+    found = robot_machine(robot(tmp_path, swapped))
+    assert found.names == ("hip-yaw", "hip", "knee", "ankle", "toe")
+    hip, knee, ankle, toe = found.model.joints[1:]
+    assert (knee.axis, knee.origin.rpy[2]) == ((1.0, 0.0, 0.0), np.pi / 2)
+    assert (toe.kind, toe.origin.rpy, ankle.origin.xyz) == ("prismatic", (np.pi / 2, 0.0, 0.0), (0.0, 0.0, -0.4))
+    assert hip.origin.xyz == (0.0, 0.1, 0.0) and found.model.limits["hip"].angle == (-0.3, 1.2)
+    assert any("right ones" in note for note in found.notes) and any("called hip_yaw" in note for note in found.notes)
+    without = robot_machine(robot(tmp_path, swapped), ["hip-yaw", "knee"]).model
+    assert without.joints[1].origin.xyz == (0.0, 0.12, -0.42), "the hip stands still at zero"
+
+
+def test_a_mimic_joint_is_refused_in_space_too(tmp_path):
+    text = LEG.replace('</joint>\n  <joint name="plate"', '<mimic joint="hip"/></joint>\n  <joint name="plate"')
+    with pytest.raises(RobotFileError, match="mimics 'hip'"):
+        robot_machine(robot(tmp_path, text))
 
 
 def test_every_link_moves_with_the_last_joint_above_it(tmp_path):

@@ -132,9 +132,12 @@ def _conventions(ready: Ready) -> str:
     for joint in model.joints:
         units = ", ".join(_ascii(joint.unit(quantity)) for quantity in ("q", "dq", "ddq", "tau"))
         lines.append(f"  {joint.name:<12} {units}")
-    lines.append(
-        "An angle is that from the parent link, at the base from the downward vertical. t in s since the"
-    )
+    if model.spatial:
+        lines.append("Zeros and signs are those of the model's axes and origins. t in s since the")
+    else:
+        lines.append(
+            "An angle is that from the parent link, at the base from the downward vertical. t in s since the"
+        )
     lines.append("model's time began (only drifts use it).")
     if model.moving_base:
         lines.append(

@@ -6,11 +6,12 @@ joint spring, `frictionloss` is Coulomb friction; other effects are named in the
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import isfinite
 
 from exoid.optimisation.linear.links import tree_of
-from exoid.symbolic.joints import Joint, parents
-from exoid.workbench.bodies import friction_of, left_out, link_names, links_of, terms_of
+from exoid.symbolic.joints import HERE, Joint, parents
+from exoid.workbench.bodies import bodies_of, friction_of, gravity_of, left_out, link_names, links_of, terms_of
 from exoid.workbench.identified import Options, Ready
 
 HELP = "MJCF (MuJoCo) of the rigid machine with friction, rotor inertias and joint springs"
@@ -19,30 +20,38 @@ CARRIED = ("rotor_inertia", "joint_spring")
 
 def write(ready: Ready, options: Options) -> dict[str, str]:
     """Return {file name: text}; ExportError where no machine of positive masses has the numbers."""
-    joints, names, links = tree_of(ready.model), link_names(ready), links_of(ready)
+    joints, names = tree_of(ready.model), link_names(ready)
     above = parents(joints)
+    placed = _in_space(ready) if ready.model.spatial else _in_a_plane(ready)
 
     def body(k: int, depth: int) -> str:
-        parent, one = above[k], links[k]
-        down = 0.0 if parent is None else float(joints[parent].length or 0.0)
-        (along, across), own, pad = one.centre, one.about_centre, "  " * depth
+        (place, inertial, axis), pad = placed[k], "  " * depth
         inside = "".join(body(j, depth + 1) for j, carrier in enumerate(above) if carrier == k)
-        return f"""{pad}<body name="{names[k]}" pos="0 0 {0.0 - down!r}">
-{pad}  <inertial pos="{across!r} 0 {-along!r}" mass="{one.mass!r}" diaginertia="{own!r} {own!r} {own!r}"/>
-{pad}  {_joint(ready, joints[k])}
+        return f"""{pad}<body name="{names[k]}" {place}>
+{pad}  <inertial {inertial}/>
+{pad}  {_joint(ready, joints[k], axis)}
 {inside}{pad}</body>
 """
 
     bodies = "".join(body(k, 2) for k, carrier in enumerate(above) if carrier is None)
+    frames = (
+        "Frames, axes, zeros and signs are those of the model."
+        if ready.model.spatial
+        else "z is up, x forward; angles turn about -y; zero is the machine hanging straight down."
+    )
+    gravity = " ".join(f"{part:.17g}" for part in gravity_of(ready))
     swaying = "\n     The base is measured: move it as it moved." if ready.model.moving_base else ""
     return {
         f"{options.name}.xml": f"""<?xml version="1.0" encoding="utf-8"?>
 <!-- Written by exoid for MuJoCo. Masses and inertias are one choice of many with the identified parameters.
-     z is up, x forward; angles turn about -y; zero is the machine hanging straight down.{swaying}
+     {frames}{swaying}
+     frictionloss is Coulomb friction, a constraint of MuJoCo that is a little soft at rest, where the model has the sign
+     of the velocity; damping is viscous friction; armature is the drive's inertia times its gear ratio squared, where
+     the bodies do not contain it.
      Effects of the model that MJCF cannot carry: {left_out(ready, CARRIED)}. -->
 <mujoco model="{options.name}">
-  <compiler angle="radian" autolimits="true"/>
-  <option gravity="0 0 {0.0 - ready.model.gravity!r}"/>
+  <compiler angle="radian" autolimits="true" eulerseq="XYZ"/>
+  <option gravity="{gravity}"/>
   <worldbody>
 {bodies}  </worldbody>
 </mujoco>
@@ -50,9 +59,36 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     }
 
 
-def _joint(ready: Ready, joint: Joint) -> str:
+def _in_a_plane(ready: Ready) -> list[tuple[str, str, str]]:
+    """Return attributes of every link: of its body, of the inertial of that, and its joint's axis."""
+    joints, found = tree_of(ready.model), []
+    for joint, parent, one in zip(joints, parents(joints), links_of(ready), strict=True):
+        down = 0.0 if parent is None else float(joints[parent].length or 0.0)
+        (along, across), own = one.centre, one.about_centre
+        inertial = f'pos="{across!r} 0 {-along!r}" mass="{one.mass!r}" diaginertia="{own!r} {own!r} {own!r}"'
+        found.append((f'pos="0 0 {0.0 - down!r}"', inertial, "0 -1 0" if joint.turns else "0 0 -1"))
+    return found
+
+
+def _in_space(ready: Ready) -> list[tuple[str, str, str]]:
+    """Return the same of a spatial machine."""
+    found = []
+    for joint, one in zip(ready.model.joints, bodies_of(ready), strict=True):
+        origin, tensor = joint.origin or HERE, one.inertia
+        entries = _numbers(tensor[place] for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+        inertial = f'pos="{_numbers(one.centre)}" mass="{one.mass!r}" fullinertia="{entries}"'
+        place = f'pos="{_numbers(origin.xyz)}" euler="{_numbers(origin.rpy)}"'
+        found.append((place, inertial, _numbers(joint.axis or ())))
+    return found
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def _joint(ready: Ready, joint: Joint, axis: str) -> str:
     damping, friction = friction_of(ready, joint.name)
-    kind, axis = ("hinge", "0 -1 0") if joint.turns else ("slide", "0 0 -1")
+    kind = "hinge" if joint.turns else "slide"
     entries = {"name": joint.name, "type": kind, "axis": axis, "damping": repr(damping), "frictionloss": repr(friction)}
     limit = ready.model.limits.get(joint.name)
     if limit is not None and isfinite(limit.angle[0]):

@@ -15,7 +15,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from exoid.ground.text import in_comment
 from exoid.optimisation.recursive.estimator_c import filled
-from exoid.workbench.bodies import base_name, link_names
+from exoid.workbench.bodies import base_name, gravity_of, link_names
 from exoid.workbench.export import c, urdf
 from exoid.workbench.identified import ExportError, Options, Ready
 
@@ -191,7 +191,7 @@ def _parameters(ready: Ready, package: str) -> str:
     turns = 2.0 * math.pi * FREQUENCY
     stiff, damp = (", ".join(f"{value:.3f}" for value in factor * own) for factor in (turns**2, 2.0 * turns))
     joints, (root, tip) = ", ".join(ready.model.joint_names), _ends(ready)
-    solver = f"      root: {root}\n      tip: {tip}\n      gravity: [0.0, 0.0, {-ready.model.gravity!r}]"
+    solver = f"      root: {root}\n      tip: {tip}\n      gravity: [{', '.join(map(repr, gravity_of(ready)))}]"
     return f"""# Gains: {FREQUENCY:g} Hz and critically damped with the identified inertia, to begin with.
 controller_manager:
   ros__parameters:

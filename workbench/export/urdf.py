@@ -7,11 +7,22 @@ named in the file.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import isfinite
 
+from exoid.optimisation.linear.bodies import Body3D
 from exoid.optimisation.linear.links import LinkInertia, tree_of
-from exoid.symbolic.joints import Joint, parents
-from exoid.workbench.bodies import base_name, friction_of, left_out, link_names, links_of
+from exoid.symbolic.joints import HERE, Joint, parents
+from exoid.symbolic.model import STANDARD_GRAVITY
+from exoid.workbench.bodies import (
+    base_name,
+    bodies_of,
+    friction_of,
+    gravity_of,
+    left_out,
+    link_names,
+    links_of,
+)
 from exoid.workbench.identified import Options, Ready
 
 HELP = "URDF of the rigid machine with viscous and Coulomb friction"
@@ -23,19 +34,35 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     """Return {file name: text}; ExportError where no machine of positive masses has the numbers."""
     joints, names = tree_of(ready.model), link_names(ready)
     base = base_name(names)
-    parts = [_link(name, one) for name, one in zip(names, links_of(ready), strict=True)]
+    if ready.model.spatial:
+        parts = [f'  <link name="{name}">{inertial_of(one)}</link>' for name, one in zip(names, bodies_of(ready), strict=True)]
+    else:
+        parts = [_link(name, one) for name, one in zip(names, links_of(ready), strict=True)]
     for joint, child, parent in zip(joints, names, parents(joints), strict=True):
-        above, down = (base, 0.0) if parent is None else (names[parent], float(joints[parent].length or 0.0))
-        parts.append(_joint(ready, joint, above, child, down))
-    gravity = (
-        "" if ready.model.gravity == 9.81 else f" Its gravity is {ready.model.gravity:g} m/s^2 downwards."
+        above = base if parent is None else names[parent]
+        if joint.axis is not None:
+            origin = joint.origin or HERE
+            xyz, rpy = _numbers(origin.xyz), _numbers(origin.rpy)
+            parts.append(_joint(ready, joint, above, child, f'xyz="{xyz}" rpy="{rpy}"', _numbers(joint.axis)))
+            continue
+        down = 0.0 if parent is None else float(joints[parent].length or 0.0)
+        axis = "0 -1 0" if joint.turns else "0 0 -1"
+        parts.append(_joint(ready, joint, above, child, f'xyz="0 0 {0.0 - down!r}"', axis))
+    x, y, z = gravity_of(ready)
+    gravity = "" if (x, y, z) == (0.0, 0.0, -STANDARD_GRAVITY) else f" Its gravity is ({x:g}, {y:g}, {z:g}) m/s^2."
+    frames = (
+        "Frames, axes, zeros and signs are those of the model."
+        if ready.model.spatial
+        else "z is up, x forward; angles turn about -y; zero is the machine hanging straight down."
     )
     swaying = " The base is measured: move it as it moved." if ready.model.moving_base else ""
     text = "\n".join(parts)
     return {
         f"{options.name}.urdf": f"""<?xml version="1.0" encoding="utf-8"?>
 <!-- Written by exoid. The rigid machine; masses and inertias are one choice of many with the identified parameters.
-     z is up, x forward; angles turn about -y; zero is the machine hanging straight down.{gravity}{swaying}
+     {frames}{gravity}{swaying}
+     damping and friction are torques at the joint, viscous and Coulomb. Libraries for inverse dynamics (Pinocchio, KDL)
+     leave them out; add them there, or export C.
      Effects of the model that URDF cannot carry: {left_out(ready)}. effort is not identified: set your drive's. -->
 <robot name="{options.name}">
   <link name="{base}"/>
@@ -54,13 +81,27 @@ def _link(name: str, one: LinkInertia) -> str:
   </inertial></link>"""
 
 
-def _joint(ready: Ready, joint: Joint, parent: str, child: str, down: float) -> str:
+def inertial_of(one: Body3D) -> str:
+    """Return the <inertial> of a body, in its joint's frame."""
+    places = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+    entries = " ".join(f'{name}="{float(one.inertia[i, j])!r}"' for name, i, j in places)
+    return (
+        f'<inertial><origin xyz="{_numbers(one.centre)}" rpy="0 0 0"/><mass value="{one.mass!r}"/>'
+        f"<inertia {entries}/></inertial>"
+    )
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def _joint(ready: Ready, joint: Joint, parent: str, child: str, origin: str, axis: str) -> str:
     limit, (damping, friction) = ready.model.limits.get(joint.name), friction_of(ready, joint.name)
     bounded = limit is not None and isfinite(limit.angle[0])
     low, high = limit.angle if limit is not None and bounded else (-UNLIMITED, UNLIMITED)
     velocity = limit.velocity if limit is not None and isfinite(limit.velocity) else UNLIMITED
     return f"""  <joint name="{joint.name}" type="{joint.kind}">
-    <parent link="{parent}"/><child link="{child}"/><origin xyz="0 0 {0.0 - down!r}"/>
-    <axis xyz="{"0 -1 0" if joint.turns else "0 0 -1"}"/><dynamics damping="{damping!r}" friction="{friction!r}"/>
+    <parent link="{parent}"/><child link="{child}"/><origin {origin}/>
+    <axis xyz="{axis}"/><dynamics damping="{damping!r}" friction="{friction!r}"/>
     <limit lower="{low!r}" upper="{high!r}" velocity="{velocity!r}" effort="0"/>
   </joint>"""

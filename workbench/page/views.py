@@ -16,7 +16,8 @@ from exoid.ground.plain import plain_dict
 from exoid.ground.text import printable
 from exoid.measurement.reading.sources import suffixes
 from exoid.optimisation.linear.links import tree_of
-from exoid.symbolic.joints import parents
+from exoid.symbolic.joints import HERE, Joint, parents
+from exoid.symbolic.mechanics.spatial import rotation
 from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from exoid.symbolic.wording import called, number_said, title_of
 from exoid.workbench.exporting import formats
@@ -140,6 +141,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
                 "unit": joint.unit("tau"),
                 "length": lengths[j],
                 "parent": above[j],
+                "space": _in_space(joint),
                 "error": None if error is None else error[j],
                 "first": None if base is None else base[j],
                 "after": None if after is None else after[j],
@@ -196,6 +198,14 @@ def _lengths(model: Any) -> list[float]:
     known = [length for length in given if length]
     usual = known[-1] if known else 0.4
     return [length or usual for length in given]
+
+
+def _in_space(joint: Joint) -> dict[str, Any] | None:
+    """Return how a joint lies on the link that carries it: turned (3, 3), place (3,) m and axis (3,); None in a plane."""
+    if joint.axis is None:
+        return None
+    origin = joint.origin or HERE
+    return {"turned": rotation(origin), "place": origin.xyz, "axis": joint.axis}
 
 
 def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:

@@ -1,0 +1,112 @@
+"""Bodies of a spatial machine that have given base parameters: one choice of the many, or none.
+
+As of the links of a planar one (`links.py`), with the pseudo-inertia (4, 4) of every link about its joint
+
+    P = [[½ tr(I) 1 - I, h], [hᵀ, m]]
+
+of its inertia I, first moment h and mass m, which is positive definite where there can be such a body (Wensing, Kim,
+Slotine, IEEE Robotics and Automation Letters 3(1), 2018).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid.optimisation.linear.links import EXACT, nearest_matrices
+from exoid.symbolic.joints import HERE
+from exoid.symbolic.mechanics.spatial import AT, KINDS, MOMENTS
+from exoid.symbolic.mechanics.spatial_energy import pseudo_inertia
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+USUAL = 0.15
+"""m that links measure where nothing says how long they are."""
+THICK = 0.4
+"""Radius of gyration of a usual body about each axis, of its length."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body3D:
+    """A rigid body: `mass` kg, `centre` (3,) m of its mass, and `inertia` (3, 3) kg·m² about that, in its joint's frame.
+    """
+
+    mass: float
+    centre: Float
+    inertia: Float
+
+    @property
+    def numbers(self) -> Float:
+        """Its ten parameters about the joint (10,), in the order of `spatial.KINDS`."""
+        c = self.centre
+        tensor = self.inertia + self.mass * (c @ c * np.eye(3) - np.outer(c, c))
+        return np.array([*(tensor[place] for place in AT.values()), *(self.mass * c), self.mass])
+
+
+def body_of(numbers: Float) -> Body3D:
+    """Return the body with ten parameters about its joint (10,)."""
+    at = dict(zip(KINDS, (float(value) for value in numbers), strict=True))
+    tensor = np.zeros((3, 3))
+    for kind, (i, j) in AT.items():
+        tensor[i, j] = tensor[j, i] = at[kind]
+    mass = at["M"]
+    c = np.array([at[kind] for kind in MOMENTS]) / mass
+    return Body3D(mass, c, tensor - mass * (c @ c * np.eye(3) - np.outer(c, c)))
+
+
+def nearest_bodies(model: Model, phi: Float, near: Sequence[Body3D] | None = None) -> tuple[Body3D, ...] | None:
+    """Return bodies (J,) of a spatial `model` that have the base parameters `phi` (P,), nearest to `near` (default:
+    usual ones); None where no bodies of positive mass have them.
+    """
+    count, rows = len(model.joints), model.mixture.reshape(len(model.inertial), -1)
+    known = _usual(model, phi) if near is None else tuple(near)
+    # In units of the known bodies all numbers are near one.
+    before = np.array([pseudo_inertia(dict(zip(KINDS, one.numbers, strict=True))) for one in known])
+    unit = np.sqrt(np.einsum("kii->ki", before))
+    scale = unit[:, :, None] * unit[:, None, :]
+    weights = np.einsum("pkn,nij->pkij", model.mixture, _WEIGHTS) * scale
+    size = np.maximum(np.abs(weights).max(axis=(1, 2, 3)), np.abs(phi))
+    found = nearest_matrices(before / scale, weights / size[:, None, None, None], phi / size)
+    if found is None:
+        return None
+    numbers = np.einsum("kij,nij->kn", found.real * scale, _WEIGHTS)
+    units = np.maximum(np.abs(np.einsum("kij,nij->kn", scale, np.abs(_WEIGHTS))), 1e-300)
+    wide = rows * units.ravel()
+    numbers = numbers - (units.ravel() * (np.linalg.pinv(wide) @ (rows @ numbers.ravel() - phi))).reshape(count, -1)
+    flat = numbers.ravel()
+    wrong = np.abs(rows @ flat - phi) > EXACT * np.maximum(np.abs(rows) @ np.abs(flat), np.abs(phi))
+    possible = [np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, one, strict=True))))[0] > 0.0 for one in numbers]
+    return None if wrong.any() or not all(possible) else tuple(body_of(one) for one in numbers)
+
+
+def _usual(model: Model, phi: Float) -> tuple[Body3D, ...]:
+    """Return round bodies as long as the way to the next joint, as heavy as the base parameters suggest."""
+    places = [np.array((joint.origin or HERE).xyz) for joint in model.joints]
+    long = [float(np.linalg.norm(place)) for place in places[1:]]
+    length = max(USUAL, float(np.mean(long))) if long else USUAL
+    power = {"kg": 0, "kg·m": 1, "kg·m²": 2}
+    mass = max((abs(value) / length ** power[p.unit] for value, p in zip(phi, model.inertial, strict=True)), default=1.0)
+    body = Body3D(mass or 1.0, np.zeros(3), (mass or 1.0) * (THICK * length) ** 2 * np.eye(3))
+    return (body,) * len(model.joints)
+
+
+def _weights() -> Float:
+    """Return W (10, 4, 4): each parameter of a body is the sum of W times its pseudo-inertia, entry by entry."""
+    found = np.zeros((len(KINDS), 4, 4))
+    for row, kind in zip(found, KINDS, strict=True):
+        if kind in AT and AT[kind][0] == AT[kind][1]:
+            row[:3, :3] = np.diag([float(k != AT[kind][0]) for k in range(3)])
+        elif kind in AT:
+            i, j = AT[kind]
+            row[i, j] = row[j, i] = -0.5
+        elif kind in MOMENTS:
+            k = MOMENTS.index(kind)
+            row[k, 3] = row[3, k] = 0.5
+        else:
+            row[3, 3] = 1.0
+    return found
+
+
+_WEIGHTS = _weights()

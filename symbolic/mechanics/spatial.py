@@ -1,0 +1,231 @@
+"""Newton and Euler for a tree of links in space: torques per unit of each link's ten inertial parameters.
+
+Every link's quantities are in the frame of its joint: that of the URDF's child link. Written for any library with `sin`
+and `cos`, as the planar recursion is (`newton_euler.py`). Source: Luh, Walker, Paul, On-line computational scheme for
+mechanical manipulators, ASME Journal of Dynamic Systems, Measurement, and Control 102(2), 1980; per parameter as in
+Khalil, Dombre, Modeling, Identification and Control of Robots, 2002, chapter 12.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from exoid.symbolic.joints import HERE, Joint, Origin, Vector, parents
+
+INERTIAS = ("XX", "XY", "XZ", "YY", "YZ", "ZZ")
+MOMENTS = ("MX", "MY", "MZ")
+KINDS = (*INERTIAS, *MOMENTS, "M")
+"""Of each link, about the origin of its joint's frame: the inertia tensor kg·m² (off its diagonal the entries of the
+tensor, as in a URDF), mass times the centre of mass kg·m, and mass kg."""
+AT = {"XX": (0, 0), "XY": (0, 1), "XZ": (0, 2), "YY": (1, 1), "YZ": (1, 2), "ZZ": (2, 2)}
+EXACT = 1e-15
+"""Entry of a rotation below which it is zero: the cosine of a right angle is 6e-17."""
+
+Triple = tuple[Any, Any, Any]
+Rows = tuple[Triple, Triple, Triple]
+AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class _Body:
+    """A link in motion, in its own frame: how that is turned and lies in the frame of its carrier, its rate and angular
+    acceleration, and the acceleration of its origin, against gravity.
+    """
+
+    turned: Rows
+    place: Triple
+    rate: Triple
+    turning: Triple
+    acceleration: Triple
+
+
+def link_columns(
+    joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
+    wanted: Sequence[tuple[int, str]],
+) -> list[list[Any]]:  # fmt: skip
+    """Return the torque at every joint (J,) for one unit of each `wanted` (link, kind); N·m, or N where a joint slides.
+
+    `q`, `dq`, `ddq` (J,) hold numbers, arrays or expressions of the library `lib`; `pull` (3,) m/s² is gravity in the
+    frame of the base.
+    """
+    bodies, above = _bodies(joints, pull, q, dq, ddq, lib), parents(joints)
+    found = []
+    for link, kind in wanted:
+        force, moment = _wrench(bodies[link], {kind: 1.0})
+        torques: list[Any] = [0.0] * len(joints)
+        k: int | None = link
+        while k is not None:
+            torques[k] = _dot(_axis(joints[k]), moment if joints[k].turns else force)
+            force, moment = _carried(bodies[k], force, moment)
+            k = above[k]
+        found.append(torques)
+    return found
+
+
+def joint_torques(
+    joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
+    inertial: Sequence[Mapping[str, Any]],
+) -> list[Any]:  # fmt: skip
+    """Return the torque at every joint (J,) of links with the `inertial` parameters (J,), {kind: number}, those left out
+    being zero; other arguments as of `link_columns`.
+    """
+    bodies, above = _bodies(joints, pull, q, dq, ddq, lib), parents(joints)
+    wrenches = [_wrench(body, own) for body, own in zip(bodies, inertial, strict=True)]
+    torques: list[Any] = [0.0] * len(joints)
+    for k in reversed(range(len(joints))):
+        force, moment = wrenches[k]
+        torques[k] = _dot(_axis(joints[k]), moment if joints[k].turns else force)
+        if (carrier := above[k]) is not None:
+            carried = _carried(bodies[k], force, moment)
+            wrenches[carrier] = tuple(_add(a, b) for a, b in zip(wrenches[carrier], carried, strict=True))  # type: ignore[assignment]
+    return torques
+
+
+def joint_frames(joints: Sequence[Joint], q: Sequence[Any], lib: Any) -> list[tuple[Rows, Triple]]:
+    """Return how every joint's frame is turned, and where its origin is in m, in the frame of the base (J,)."""
+    found: list[tuple[Rows, Triple]] = []
+    for k, above in enumerate(parents(joints)):
+        turned, place = _step(joints[k], q[k], lib)
+        if above is not None:
+            rows, origin = found[above]
+            place = _add(origin, _times(rows, place))
+            turned = _product(rows, turned)
+        found.append((turned, place))
+    return found
+
+
+def end_point(joints: Sequence[Joint], q: Sequence[Any], reach: Any, lib: Any) -> Triple:
+    """Return where the point is, in m in the frame of the base, that lies `reach` m from the origin of the last joint
+    along its axis.
+    """
+    turned, place = joint_frames(joints, q, lib)[-1]
+    return _add(place, _scale(reach, _times(turned, _axis(joints[-1]))))
+
+
+@lru_cache(maxsize=256)
+def rotation(origin: Origin) -> Rows:
+    """Return how a frame at `origin` is turned in that of its carrier: its axes are the columns."""
+    (sr, sp, sy), (cr, cp, cy) = ([f(a) for a in origin.rpy] for f in (math.sin, math.cos))
+    rows = (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    )
+    exact = [[round(entry) + 0.0 if abs(entry - round(entry)) < EXACT else entry for entry in row] for row in rows]
+    return tuple((a, b, c) for a, b, c in exact)  # type: ignore[return-value]
+
+
+def _axis(joint: Joint) -> Vector:
+    return joint.axis or AXES[2]
+
+
+def _step(joint: Joint, q: Any, lib: Any) -> tuple[Rows, Triple]:
+    """Return how a link's frame is turned in that of its carrier, and where its origin lies there."""
+    origin, axis = joint.origin or HERE, _axis(joint)
+    fixed = rotation(origin)
+    if not joint.turns:
+        return fixed, _add(origin.xyz, _scale(q, _times(fixed, axis)))
+    s, c = lib.sin(q), lib.cos(q)
+    x, y, z = axis
+    cross: Rows = ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0))
+    own = tuple(  # Rodrigues: a aᵀ + cos q (1 - a aᵀ) + sin q [a]×
+        tuple(
+            axis[i] * axis[j] + c * (float(i == j) - axis[i] * axis[j]) + s * cross[i][j]
+            for j in range(3)
+        )
+        for i in range(3)
+    )
+    return _product(fixed, own), origin.xyz  # type: ignore[arg-type]
+
+
+def _bodies(
+    joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any
+) -> list[_Body]:
+    bodies: list[_Body] = []
+    still: Triple = (0.0, 0.0, 0.0)
+    for k, (joint, parent) in enumerate(zip(joints, parents(joints), strict=True)):
+        turned, place = _step(joint, q[k], lib)
+        rate, turning, acceleration = still, still, (-pull[0], -pull[1], -pull[2])
+        if parent is not None:
+            above = bodies[parent]
+            rate, turning = above.rate, above.turning
+            swing = _add(_cross(turning, place), _cross(rate, _cross(rate, place)))
+            acceleration = _add(above.acceleration, swing)
+        rate, turning, acceleration = (_back(turned, one) for one in (rate, turning, acceleration))
+        axis = _axis(joint)
+        moved = _scale(dq[k], axis)
+        if joint.turns:
+            turning = _add(_add(turning, _scale(ddq[k], axis)), _cross(rate, moved))
+            rate = _add(rate, moved)
+        else:
+            acceleration = _add(acceleration, _add(_scale(ddq[k], axis), _scale(2.0, _cross(rate, moved))))
+        bodies.append(_Body(turned, place, rate, turning, acceleration))
+    return bodies
+
+
+def _wrench(body: _Body, own: Mapping[str, Any]) -> tuple[Triple, Triple]:
+    """Return force and moment about its origin that a link with `own` parameters takes."""
+    force: Triple = (0.0, 0.0, 0.0)
+    moment: Triple = (0.0, 0.0, 0.0)
+    if "M" in own:
+        force = _scale(own["M"], body.acceleration)
+    first = _entries(own, MOMENTS)
+    if first is not None:
+        swing = _add(_cross(body.turning, first), _cross(body.rate, _cross(body.rate, first)))
+        force, moment = _add(force, swing), _cross(first, body.acceleration)
+    if any(kind in own for kind in INERTIAS):
+        rows: list[list[Any]] = [[0.0] * 3 for _ in range(3)]
+        for kind, (i, j) in AT.items():
+            if kind in own:
+                rows[i][j] = rows[j][i] = own[kind]
+        tensor: Rows = tuple(tuple(row) for row in rows)  # type: ignore[assignment]
+        moment = _add(moment, _add(_times(tensor, body.turning), _cross(body.rate, _times(tensor, body.rate))))
+    return force, moment
+
+
+def _entries(own: Mapping[str, Any], kinds: Sequence[str]) -> Triple | None:
+    if not any(kind in own for kind in kinds):
+        return None
+    x, y, z = (own.get(kind, 0.0) for kind in kinds)
+    return x, y, z
+
+
+def _carried(body: _Body, force: Triple, moment: Triple) -> tuple[Triple, Triple]:
+    """Return a force and a moment of a link about the origin of its carrier, in the carrier's frame."""
+    force, moment = _times(body.turned, force), _times(body.turned, moment)
+    return force, _add(moment, _cross(body.place, force))
+
+
+def _add(a: Triple, b: Triple) -> Triple:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _scale(factor: Any, a: Triple) -> Triple:
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+def _dot(a: Triple, b: Triple) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Triple, b: Triple) -> Triple:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _times(rows: Rows, a: Triple) -> Triple:
+    return _dot(rows[0], a), _dot(rows[1], a), _dot(rows[2], a)
+
+
+def _back(rows: Rows, a: Triple) -> Triple:
+    """Return a vector of the carrier in the frame that is turned so: the transpose times it."""
+    x, y, z = (rows[0][k] * a[0] + rows[1][k] * a[1] + rows[2][k] * a[2] for k in range(3))
+    return x, y, z
+
+
+def _product(a: Rows, b: Rows) -> Rows:
+    x, y, z = (_times(a, (b[0][k], b[1][k], b[2][k])) for k in range(3))
+    return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])

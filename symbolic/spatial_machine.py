@@ -1,0 +1,145 @@
+"""A machine out of a robot file: planar where its joints move in one plane, spatial otherwise.
+
+A spatial machine is the file's own tree: frames, axes, zeros and signs of its joints are those of the URDF, and nothing
+of it has to be edited.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid.symbolic.joints import Joint, Origin, Vector
+from exoid.symbolic.mechanics.spatial import rotation
+from exoid.symbolic.model import STANDARD_GRAVITY, Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.planar_machine import (
+    NotPlanarError,
+    carrier_name,
+    chosen_joints,
+    held_still,
+    limits_in,
+    plain_name,
+    planar_machine,
+)
+from exoid.symbolic.robot_file import RobotFile, RobotJoint, numbers_of
+
+ROUNDED = 2e-5
+"""rad within which an angle is a right one that was written with few digits: 1.5708, 3.1416. What a machine shows of its
+links' numbers depends on whether axes are exactly parallel."""
+DIGITS = 12
+"""Of m and rad that are kept of what several joints of the file make together."""
+
+
+@dataclass(frozen=True, eq=False)
+class RobotMachine:
+    """The `model` of a machine in a robot file, the names its joints have there, and what is worth saying about it."""
+
+    model: Model
+    names: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def robot_machine(
+    robot: RobotFile, names: Sequence[str] = (), gravity: float | None = None, where: str = "URDF"
+) -> RobotMachine:
+    """Return the machine that the joints called `names` (default: all that move) make; others stand still at zero.
+
+    `gravity` in m/s² is that within the plane of a planar machine, or downwards. RobotFileError says what is wrong with
+    the file or its joints.
+    """
+    try:
+        planar = planar_machine(robot, names, gravity, where)
+    except NotPlanarError as error:
+        return _spatial(robot, names, STANDARD_GRAVITY if gravity is None else gravity, where, error.what)
+    return RobotMachine(planar.model, planar.names, planar.notes)
+
+
+def spatial_machine(
+    robot: RobotFile, names: Sequence[str] = (), gravity: float = STANDARD_GRAVITY, where: str = "URDF"
+) -> RobotMachine:
+    """Return the spatial machine of the joints called `names`, whether or not they move in a plane; arguments as of
+    `robot_machine`.
+    """
+    return _spatial(robot, names, gravity, where, "")
+
+
+def _spatial(robot: RobotFile, names: Sequence[str], gravity: float, where: str, why: str) -> RobotMachine:
+    joints, carriers = chosen_joints(robot, names, where)
+    chosen = [one.name for one in joints]
+    made, notes = [], [f"a spatial machine: {why}"] if why else []
+    rounded = False
+    for k, (one, carrier) in enumerate(zip(joints, carriers, strict=True)):
+        origin, moved = _origin(robot, one, None if carrier is None else joints[carrier], where)
+        axis, turned = _axis(one, where)
+        rounded = rounded or moved or turned
+        kind = "prismatic" if one.kind == "prismatic" else "revolute"
+        made.append(
+            Joint(plain_name(one.name), kind, None, carrier_name(k, carrier, chosen), axis=axis, origin=origin)
+        )
+        if made[-1].name != one.name:
+            notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
+    if rounded:
+        notes.append(f"angles of the file that are within {ROUNDED:g} rad of right ones are taken as those")
+    notes += held_still(robot, joints)
+    limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
+    model = Model(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
+    return RobotMachine(model, tuple(chosen), tuple(notes))
+
+
+def _origin(robot: RobotFile, one: RobotJoint, carrier: RobotJoint | None, where: str) -> tuple[Origin, bool]:
+    """Return where a joint's frame lies in that of the chosen joint that carries it, with joints between at zero, and
+    whether an angle was taken as a right one.
+    """
+    by_child = {joint.child: joint for joint in robot.joints.values()}
+    way = [one]
+    while (above := by_child.get(way[-1].parent)) is not None and above is not carrier:
+        way.append(above)
+    place, turned, rounded = np.zeros(3), np.eye(3), False
+    for joint in reversed(way):
+        element = joint.element.find("origin")
+        if element is None:
+            continue
+        xyz, rpy = (numbers_of(element, key, (0.0, 0.0, 0.0), where) for key in ("xyz", "rpy"))
+        angles, changed = _right(rpy)
+        own = Origin((float(xyz[0]), float(xyz[1]), float(xyz[2])), angles)
+        if len(way) == 1:
+            return own, changed
+        rounded = rounded or changed
+        place, turned = place + turned @ np.array(own.xyz), turned @ np.array(rotation(own))
+    x, y, z = (round(float(value), DIGITS) + 0.0 for value in place)
+    angles, changed = _right(np.array(_rpy(turned)))
+    return Origin((x, y, z), angles), rounded or changed
+
+
+def _axis(one: RobotJoint, where: str) -> tuple[Vector, bool]:
+    """Return the axis of a joint in its own frame, and whether it was taken as one of the frame's."""
+    element = one.element.find("axis")
+    given = np.array([1.0, 0.0, 0.0]) if element is None else numbers_of(element, "xyz", (1.0, 0.0, 0.0), where)
+    unit = given / np.linalg.norm(given)
+    near = np.where(np.abs(unit) < ROUNDED, 0.0, unit)
+    near = near / np.linalg.norm(near)
+    return (float(near[0]), float(near[1]), float(near[2])), bool(np.any(near != unit))
+
+
+def _right(angles: Float) -> tuple[Vector, bool]:
+    """Return angles with those near a multiple of a right one put there, and whether one was moved by more than
+    rounding.
+    """
+    whole = np.round(angles / (0.5 * math.pi)) * 0.5 * math.pi
+    near = np.abs(angles - whole) < ROUNDED
+    moved = bool(np.any(near & (np.abs(angles - whole) > 1e-9)))
+    x, y, z = (float(value) + 0.0 for value in np.where(near, whole, angles))
+    return (x, y, z), moved
+
+
+def _rpy(turned: Float) -> Vector:
+    """Return the angles about the fixed axes x, y, z (in this order) of a rotation (3, 3)."""
+    level = math.hypot(turned[0, 0], turned[1, 0])
+    pitch = math.atan2(-turned[2, 0], level)
+    if level < 1e-9:  # roll and yaw turn about one axis: all of it is told as roll
+        return math.atan2(-turned[1, 2], turned[1, 1]), pitch, 0.0
+    return math.atan2(turned[2, 1], turned[2, 2]), pitch, math.atan2(turned[1, 0], turned[0, 0])
