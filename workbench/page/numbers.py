@@ -171,7 +171,8 @@ def _variable(session: Session, place: int, fitted: FittedModel, variable: str, 
     if variable != "load" and (stem is None or of not in names):
         raise RecordingError(f"there is no variable {variable[:40]!r}", remedy="reload the page")
     name = variable if stem is None else f"{stem}{names.index(of) + 1}"
-    return np.asarray(signal_of(one, fitted, name, joint)[one.kept])
+    values: np.ndarray = signal_of(one, fitted, name, joint)[one.kept]
+    return values
 
 
 def _recording(session: Session, index: int) -> Any:
