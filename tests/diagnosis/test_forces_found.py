@@ -73,6 +73,15 @@ def test_a_force_that_is_turned_round_is_doubted_and_no_other(worn, turned):
     assert gains[turned] < -0.5
 
 
+def test_noise_of_measured_forces_is_no_flexible_drive():
+    """The second derivative of the model's torque holds that of the forces' noise, which what is left holds too."""
+    bench = Bench(duration=15.0, walk=Walk(), measured=("plate",))
+    runs = [run.recording for run in simulate_runs(2, seed=7, bench=bench)]
+    one = fitted(runs).prepared.train[0]
+    again = one.noisier(np.random.default_rng(0))
+    assert np.std(again.motion.force - one.motion.force, axis=0) == pytest.approx(bench.sensors.plate_noise, rel=0.25)
+
+
 def test_on_a_plate_that_was_not_tared_nothing_is_named():
     """35 N that are not there were a spring across both joints."""
     bench = Bench(duration=15.0, walk=Walk(), measured=("plate",))
