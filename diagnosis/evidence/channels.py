@@ -1,9 +1,10 @@
 """Can the channels be what they say? If not, nothing is accepted: an effect named on top of them is nonsense.
 
-Asked before the search: whether the encoders' noise leaves accelerations worth the name, whether friction would have to
-drive a joint, whether the torque would fit far better if it were read earlier, or as what a slow filter made of it, and
-whether anything but the angles made it. Asked of the best model that the search finds: whether it leaves more of the
-torque than a third, and whether the held-out recordings are of the same machine.
+Asked before the search: whether the encoders' noise leaves accelerations worth the name, whether a measured force is
+turned round or was not tared, whether friction would have to drive a joint, whether the torque would fit far better if
+it were read earlier, or as what a slow filter made of it, and whether anything but the angles made it. Asked of the
+best model that the search finds: whether it leaves more of the torque than a third, and whether the held-out recordings
+are of the same machine.
 """
 
 from __future__ import annotations
@@ -22,11 +23,14 @@ from exoid.diagnosis.evidence.timing import late_torque
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
 from exoid.measurement.finding import Finding
+from exoid.measurement.stance import UPWARDS
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
 
+TARED = "tared"
+"""The check of recordings that says which force is not zero while nothing pushes."""
 OUTSIDE = "outside"
 """What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""
 NOTHING_EXPLAINED = 0.9
@@ -44,10 +48,23 @@ def doubts_before(
     return (
         _noisy_angles(base, rules)
         or turned_force(base)
+        or _untared(base)
         or _driven_by_friction(base)
         or _late(base, rules, explained)
         or _follows_the_angles(base, rules)
     )
+
+
+def _untared(base: FittedModel) -> Doubt | None:
+    """Return which recordings have a measured force that is not zero while the foot is in the air: its load of every
+    joint, which is not there, resembles a spring.
+    """
+    found = [one for one in base.prepared.findings if one.check == TARED]
+    if not found or UPWARDS not in base.model.channels:
+        return None
+    where = "; ".join(f"{one.where}: {one.what}" for one in found)
+    remedies = "; ".join(dict.fromkeys(one.remedy for one in found))
+    return Doubt(f"{UPWARDS} is not zero while the foot is in the air", f"A force was not tared: {where}.", remedies)
 
 
 def _late(base: FittedModel, rules: Rules, explained: Callable[[], float]) -> Doubt | None:

@@ -2,7 +2,8 @@
 
 A motion a little smoother than the measured one plays the truth; the model's torque in it is filtered as the measured
 one was, and the sensors' noise is added anew. Noise of the angles makes accelerations, and so the torque of any model,
-rougher than the motion was; whatever smooths it (a flexible drive, a delay) then gains although nothing is missing.
+rougher than the motion was, and so does noise of measured forces; whatever smooths it (a flexible drive, a delay) then
+gains although nothing is missing.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def needed_beyond_noise(
     candidate: Candidate, shape: Float, evidence: Evidence, simulated: Sequence[Simulated]
 ) -> float:
     """Return the share of the loss that a candidate at shape values (R, S) must gain beyond the least one, since noise
-    of the angles makes so much of it.
+    of angles and forces makes so much of it.
     """
     single, gains = replace(candidate, nodes=shape[:, None, :]), []
     loss = float(evidence.fold_losses.sum())

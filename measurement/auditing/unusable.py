@@ -2,7 +2,8 @@
 measurement are masked like bad cells; both are said.
 
 A frozen or saturated stretch is no outlier: its rows agree with each other, so no loss can tell them from the truth.
-What is only likely stays in and is a warning of the audit (`checks/frozen.py`, `checks/saturated.py`).
+What is only likely stays in and is a warning of the audit (`checks/frozen.py`, `checks/saturated.py`). Where a force was
+not measured no torque says anything.
 """
 
 from __future__ import annotations
@@ -43,11 +44,11 @@ def mask_unusable(recording: Recording) -> Recording:
     findings: list[Finding] = []
     for channel, rows, certain in frozen.frozen_stretches(recording):
         if certain:
-            _of(valid, channel)[rows] = False
+            _hide(valid, channel, rows)
             found = frozen.frozen_finding(recording, channel, rows)
             findings.append(_masked(found, "none: they do not enter the fit", "certain"))
     for channel, level, rows in saturated.saturated_stretches(recording):
-        _of(valid, channel)[rows] = False
+        _hide(valid, channel, rows)
         found = saturated.saturated_finding(recording, channel, level, rows)
         what = "what happened at full scale is not known and does not enter the fit"
         findings.append(_masked(found, what, found.confidence))
@@ -58,10 +59,13 @@ def mask_unusable(recording: Recording) -> Recording:
     return replace(recording, angle_valid=valid["q"], torque_valid=valid["tau"], findings=tuple(findings))
 
 
-def _of(valid: dict[str, NDArray[np.bool_]], channel: Channel) -> NDArray[np.bool_]:
-    """Return which samples (N,) of a channel are valid, to be written to."""
+def _hide(valid: dict[str, NDArray[np.bool_]], channel: Channel, rows: NDArray[np.int64]) -> None:
+    """Mark `rows` of a channel as not measured; of a force the torques of all joints, which it was to explain."""
+    if channel.outside:
+        valid["tau"][rows] = False
+        return
     quantity = channel.name.rstrip("0123456789")
-    return valid[quantity][:, int(channel.name.removeprefix(quantity)) - 1]
+    valid[quantity][rows, int(channel.name.removeprefix(quantity)) - 1] = False
 
 
 def _masked(found: Finding, consequence: str, confidence: str) -> Finding:

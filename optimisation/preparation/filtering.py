@@ -167,8 +167,8 @@ class PreparedRecording:
         return done
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
-        """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
-        1994): what a model gains by that, it had gained from noise.
+        """Return the recording as it would be if its encoders and force sensors had added their noise once more (SIMEX,
+        Cook, Stefanski 1994): what a model gains by that, it had gained from noise.
         """
         deviation = np.sqrt(0.5 * self.rate * self.angle_noise)
         white = rng.standard_normal(self.motion.q.shape) * deviation
@@ -180,8 +180,14 @@ class PreparedRecording:
         faster = derivatives(low_pass(white, told.band, self.rate), self.rate)[0] if self.direction else dq
         width = sign_width(2.0 * self.angle_noise, told.band, self.reach)
         sign = np.where(self.standing, 0.0, np.tanh((told.velocity + faster) / width))
-        motion = replace(old, q=old.q + added, dq=old.dq + dq, ddq=old.ddq + ddq, sign=sign)
+        force = None if old.force is None else self._noisier_force(old.force, rng)
+        motion = replace(old, q=old.q + added, dq=old.dq + dq, ddq=old.ddq + ddq, sign=sign, force=force)
         return replace(self, motion=motion)
+
+    def _noisier_force(self, force: Float, rng: np.random.Generator) -> Float:
+        """Return measured forces (N, C) with noise of the size that the top of their spectrum shows."""
+        size = quiet_noise(force, self.rate, 0.5 * self.rate, factor=max(1, round(self.full_rate / self.rate)))
+        return np.asarray(force + size * rng.standard_normal(force.shape))
 
     def smooth(self, x: Float) -> Float:
         """Bridge and filter torques `x` (N, J) exactly as the measured one was; return the kept samples (J, K)."""

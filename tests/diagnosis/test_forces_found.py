@@ -11,8 +11,10 @@ from exoid.diagnosis.compare import compare
 from exoid.diagnosis.discover import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.pushes import turned_force, wanted_gains
+from exoid.measurement.auditing.audit import audit
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.measurement.bench.walk import Walk
 from exoid.measurement.bench.wearer import Wearer
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.read import read_recording
@@ -69,6 +71,26 @@ def test_a_force_that_is_turned_round_is_doubted_and_no_other(worn, turned):
     assert doubt is not None and f"{turned}=-N" in doubt.remedy
     gains = {gain.force.columns[0]: gain.gain for gain in wanted_gains(base)}
     assert gains[turned] < -0.5
+
+
+def test_noise_of_measured_forces_is_no_flexible_drive():
+    """The second derivative of the model's torque holds that of the forces' noise, which what is left holds too."""
+    bench = Bench(duration=15.0, walk=Walk(), measured=("plate",))
+    runs = [run.recording for run in simulate_runs(2, seed=7, bench=bench)]
+    one = fitted(runs).prepared.train[0]
+    again = one.noisier(np.random.default_rng(0))
+    assert np.std(again.motion.force - one.motion.force, axis=0) == pytest.approx(bench.sensors.plate_noise, rel=0.25)
+
+
+def test_on_a_plate_that_was_not_tared_nothing_is_named():
+    """35 N that are not there were a spring across both joints."""
+    bench = Bench(duration=15.0, walk=Walk(), measured=("plate",))
+    runs = [run.recording for run in simulate_runs(3, seed=7, bench=bench)]
+    wrong = [replace(one, forces={**one.forces, "grf_z": one.forces["grf_z"] + 35.0}) for one in runs]
+    told = [replace(one, findings=audit(one)) for one in wrong]
+    answer = discover(LEG, told[:2], told[2:])
+    assert answer.verdict == "check_channels" and not answer.accepted
+    assert "not tared" in answer.sentence and "subtract 35" in answer.next_experiment
 
 
 @pytest.mark.slow

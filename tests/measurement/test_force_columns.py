@@ -9,6 +9,7 @@ from exoid.measurement.auditing.audit import find_checks
 from exoid.measurement.forces import force_signals, pushed_model, unused_forces, usual_forces
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.read import read_recording
+from exoid.measurement.reading.unusable import mask_unusable
 from exoid.measurement.recording import Recording, to_csv
 from exoid.symbolic.force import TORQUE, VERTICAL, WORLD, Force
 from exoid.symbolic.joints import LEG, Joint
@@ -123,6 +124,14 @@ def test_a_force_that_freezes_or_runs_into_its_end_of_scale_is_told(check):
     assert [f for f in CHECKS[check](recording(f1=values)) if "force in f1" in f.what]
 
 
+def test_where_a_force_was_at_its_end_of_scale_no_torque_is_used():
+    noisy = wave() + 0.3 * np.random.default_rng(0).standard_normal(1500)
+    level = float(np.quantile(noisy, 0.95))
+    masked = mask_unusable(recording(f1=np.minimum(noisy, level)))
+    assert not masked.torque_valid[noisy > level].any() and masked.torque_valid[noisy < level].all()
+    assert any("force in f1" in found.what and found.repaired for found in masked.findings)
+
+
 def plate(offset=0.0, swing=0.4):
     phase = (np.arange(1500) / 120.0) % 1.0
     noise = np.random.default_rng(1).standard_normal(1500)
@@ -132,7 +141,7 @@ def plate(offset=0.0, swing=0.4):
 @pytest.mark.shows("tared.OFF", "tared.SWING", "tared.LOW")
 @pytest.mark.parametrize(
     ("values", "told"),
-    [(plate(), False), (plate(12.0), False), (plate(30.0), True), (plate(-60.0), True), (plate(60.0, 0.02), False)],
+    [(plate(), False), (plate(12.0), False), (plate(30.0), True), (plate(-60.0), True), (plate(60.0, 0.02), False), (-plate(), False), (-plate(30.0), True)],
 )
 def test_a_plate_that_was_not_tared_is_told(values, told):
     assert bool(CHECKS["tared"](recording(grf_z=values))) is told

@@ -21,9 +21,10 @@ def check(recording: Recording) -> list[Finding]:
         if channel.name != "grf_z" or channel.values.size < 100:
             continue
         lowest, highest = np.quantile(channel.some, (0.005, 0.995))
-        span = float(highest - lowest)
-        low = channel.values[channel.values < lowest + LOW * span]
-        level = float(np.median(low)) if low.size else 0.0
+        way = 1.0 if highest > -lowest else -1.0  # one that counts the other way round is told by the fit
+        load, span = way * channel.values, float(highest - lowest)
+        low = load[load < min(way * lowest, way * highest) + LOW * span]
+        level = way * float(np.median(low)) if low.size else 0.0
         noise = float(np.median(np.abs(np.diff(channel.values)))) / 0.95
         if span > 0.0 and low.size > SWING * channel.values.size and abs(level) > max(OFF * span, 3.0 * noise):
             what = f"{channel.name} is {level:.3g} N while the foot is in the air: it was not tared"
