@@ -126,7 +126,8 @@ def test_any_tree_in_space_is_a_machine_without_editing_the_file(tmp_path):
     """All that move, in an order of ours; a joint left out and fixed ones become a part of the way."""
     text = LEG.replace('<axis xyz="-1 0 0"/>', '<axis xyz="2 0 0"/>')
     swapped = text.replace('<robot name="walker">', '<robot name="walker"><joint name="toe" type="prismatic">'
-                           '<parent link="foot"/><child link="tip"/><origin rpy="1.5708 0 0"/><axis xyz="0 0 1"/></joint>')
+                           '<parent link="foot"/><child link="tip"/><origin rpy="1.5708 0 0"/>'
+                           '<axis xyz="0 0 1"/></joint>')  # fmt: skip
     found = robot_machine(robot(tmp_path, swapped))
     assert found.names == ("hip-yaw", "hip", "knee", "ankle", "toe")
     hip, knee, ankle, toe = found.model.joints[1:]

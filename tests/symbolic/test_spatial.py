@@ -59,14 +59,16 @@ def test_an_encoder_that_reads_too_little():
     model, on = machine(ELBOW), motion(2)
     off = model.with_effect("encoder_offset:lift")
     linear = np.linspace(0.1, 1.0, len(model.parameters))
-    moved = Motion(on.t, on.q + [0.0, 0.2], on.dq, on.ddq)
+    moved = Motion(on.t, on.q + np.array([0.0, 0.2]), on.dq, on.ddq)
     np.testing.assert_allclose(off.torque(on, linear, np.array([0.2])), model.torque(moved, linear), atol=1e-12)
 
 
 @pytest.mark.parametrize("backend", ["auto", "vm"])
 def test_numpy_and_generated_code_agree(backend):
     model = machine((*ELBOW, Joint("slide", "prismatic", axis=(1, 0, 0), origin=Origin((0, 0, 0.2)))))
-    for term in ("stribeck:turn", "load_friction:lift", "time_delay:slide", "motor_elasticity:lift", "rotor_inertia:slide"):
+    for term in (
+        "stribeck:turn", "load_friction:lift", "time_delay:slide", "motor_elasticity:lift", "rotor_inertia:slide"
+    ):  # fmt: skip
         model = model.with_effect(term)
     on, linear = motion(3), np.linspace(0.05, 0.3, len(model.parameters))
     fast = compiled(model, backend)
