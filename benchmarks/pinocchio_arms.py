@@ -5,10 +5,10 @@
     python benchmarks/pinocchio_arms.py nothing:6:0 --seeds 5
 
 A case is effect:joints:index. Each arm is a URDF of drawn lengths, masses and axes at right angles; exoid makes its
-model of that file, and Pinocchio the rigid torque of motions that are tracked exactly: nothing here sticks. Dry and viscous
-friction, noise of encoders and torque sensors, and the effect are added. Each case is three runs of 30 s to fit and one
-to verify. A case is right when what was built in is named, or is a look-alike of what is named, and nothing else. Needs
-the extra `peers`.
+model of that file, and Pinocchio the rigid torque of motions that are tracked exactly: nothing here sticks. Dry and
+viscous friction, noise of encoders and torque sensors, and the effect are added. Each case is three runs of 30 s to fit
+and one to verify. A case is right when what was built in is named, or is a look-alike of what is named, and nothing
+else. Needs the extra `peers`.
 """
 
 from __future__ import annotations
