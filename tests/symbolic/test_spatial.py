@@ -1,5 +1,7 @@
 """Machines in space: what they say in files, and their equations against SymPy, Pinocchio and MuJoCo."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -188,6 +190,15 @@ def test_a_model_file_says_the_same_again(tmp_path):
     again = read_model(write_model(model, tmp_path / "m.toml"))
     assert again.joints == model.joints and again.gravity_vector == vector and again.key() == model.key()
     assert machine(joints, (0.0, 0.0, -9.81)).key() == machine(joints).key()
+
+
+def test_gravity_and_its_vector_cannot_contradict_each_other():
+    model = machine(ELBOW, (0.0, 3.0, -9.0))
+    assert model.gravity == np.hypot(3.0, 9.0) and replace(model, gravity=(0.0, 0.0, -1.0)).gravity_vector is None
+    with pytest.raises(EffectError, match="its vector"):
+        replace(model, gravity=1.0)
+    with pytest.raises(EffectError, match="the machine is planar"):
+        machine((Joint("a"),), (0.0, 0.0, -9.81))
 
 
 HEAD = '[[joints]]\nname = "a"\n'
