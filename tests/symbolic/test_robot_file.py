@@ -139,6 +139,14 @@ def test_any_tree_in_space_is_a_machine_without_editing_the_file(tmp_path):
     assert without.joints[1].origin.xyz == (0.0, 0.12, -0.42), "the hip stands still at zero"
 
 
+def test_a_machine_has_twelve_joints_at_most(tmp_path):
+    joints = "".join(f'<joint name="a{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/></joint>'
+                     for k in range(13))  # fmt: skip
+    with pytest.raises(RobotFileError, match="13 joints move") as refused:
+        robot_machine(robot(tmp_path, f'<robot name="long">{joints}</robot>'))
+    assert "--joints" in refused.value.remedy
+
+
 def test_a_mimic_joint_is_refused_in_space_too(tmp_path):
     text = LEG.replace('</joint>\n  <joint name="plate"', '<mimic joint="hip"/></joint>\n  <joint name="plate"')
     with pytest.raises(RobotFileError, match="mimics 'hip'"):
