@@ -4,11 +4,11 @@
     python benchmarks/pinocchio_arms.py joint_spring:5:2 --seeds 3 --first 7
     python benchmarks/pinocchio_arms.py nothing:6:0 --seeds 5
 
-A case is effect:joints:index. Each arm is a URDF of drawn lengths, masses and axes at right angles; exoid makes its model
-of that file, and Pinocchio the rigid torque of motions that are tracked exactly: nothing here sticks. Dry and viscous
-friction, noise of encoders and torque sensors, and the effect are added. Each case is three runs of 30 s to fit and one
-to verify. A case is right when what was built in is named, or is a look-alike of what is named, and nothing else. Needs
-the extra `peers`.
+A case is effect:joints:index. Each arm is a URDF of drawn lengths, masses and axes at right angles; exoid makes its
+model of that file, and Pinocchio the rigid torque of motions that are tracked exactly: nothing here sticks. Dry and
+viscous friction, noise of encoders and torque sensors, and the effect are added. Each case is three runs of 30 s to fit
+and one to verify. A case is right when what was built in is named, or is a look-alike of what is named, and nothing
+else. Needs the extra `peers`.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ CASES = [
 
 @dataclass(frozen=True)
 class Arm:
-    """An arm: its URDF, the dry and viscous friction of its joints (J,), what is built at joint `j`, and its numbers."""
+    """An arm: its URDF, dry and viscous friction of its joints (J,), what is built at joint `j`, and its numbers."""
 
     text: str
     dry: Float
@@ -74,12 +74,13 @@ class Arm:
         text = arm_text(count, rng)
         falling = np.linspace(6.0, 1.0, count)
         dry, viscous = falling * rng.uniform(0.7, 1.3, count), falling * rng.uniform(0.7, 1.3, count)
-        numbers, built = {}, EFFECTS.get(effect)
+        numbers: dict[str, float] = {}
+        built = EFFECTS.get(effect)
         for name, (low, high) in {} if built is None else built.ranges.items():
             drawn = float(rng.uniform(low, high))
-            numbers[name] = drawn * dry[j] / STRONG if built is not None and name in built.sized else drawn
+            numbers[name] = drawn * float(dry[j]) / STRONG if built is not None and name in built.sized else drawn
         if effect == "rotor_inertia":
-            numbers = {"c": float(rng.uniform(0.08, 0.16)) * dry[j]}
+            numbers = {"c": float(rng.uniform(0.08, 0.16)) * float(dry[j])}
         if "n" in numbers:
             numbers["n"] = round(numbers["n"])
         return cls(text, dry, viscous, effect, j, numbers)
@@ -91,8 +92,8 @@ class Arm:
 
 
 def arm_text(count: int, rng: np.random.Generator) -> str:
-    """Return a URDF of `count` joints: each turns about its z axis, turned by a right angle or none from the last one's,
-    as those of arms for sale are; never three in parallel.
+    """Return a URDF of `count` joints: each turns about its z axis, which is turned by a right angle or none from the
+    last one's, as those of arms for sale are; never three in parallel.
     """
     parts, parallel = ['<link name="base"/>'], 0
     for k in range(count):
@@ -104,7 +105,8 @@ def arm_text(count: int, rng: np.random.Generator) -> str:
         centre = rng.uniform(-0.5, 0.5, 3) * long
         gyration = np.sort(rng.uniform(0.2, 0.32, 3)) * long
         own = heavy * np.diag(gyration @ gyration - gyration**2)
-        entries = " ".join(f'{name}="{value!r}"' for name, value in zip(("ixx", "iyy", "izz"), own.diagonal().tolist(), strict=True))
+        names = zip(("ixx", "iyy", "izz"), own.diagonal().tolist(), strict=True)
+        entries = " ".join(f'{name}="{value!r}"' for name, value in names)
         parts.append(
             f'<link name="link{k}"><inertial><origin xyz="{_text(centre)}" rpy="{_text(rng.normal(size=3))}"/>'
             f'<mass value="{heavy!r}"/><inertia {entries} ixy="0" ixz="0" iyz="0"/></inertial></link>'
@@ -167,7 +169,8 @@ def run(case: str, seed: int) -> tuple[bool, str]:
     right = right and (bool(truth) or found.verdict == "adequate")
     numbers = {name: round(value, 3) for name, value in arm.numbers.items()}
     text = ", ".join(f"{one.name} {[round(e.value, 4) for e in one.parameters.values()]}" for one in found.accepted)
-    return right, f"{case}/{seed} {numbers}: {'right' if right else 'WRONG'}; {found.verdict} [{text}] {found.seconds:.0f} s"
+    answer = f"{'right' if right else 'WRONG'}; {found.verdict} [{text}] {found.seconds:.0f} s"
+    return right, f"{case}/{seed} {numbers}: {answer}"
 
 
 if __name__ == "__main__":

@@ -105,8 +105,8 @@ class Effect:
     """Whether it is an effect of the drive or of its torque sensor: a joint without a drive cannot have it."""
     deflection: Mapping[str, str] | None = None
     machines: str = "all"
-    """Which machines have it: "all", the "leg" with hip and knee, or "others"; only those that move in a plane where it is
-    "planar" or "planar others".
+    """Which machines have it: "all", the "leg" with hip and knee, or "others"; only those that move in a plane where it
+    is "planar" or "planar others".
     """
     worn: bool = False
     """Whether it is a person's own: machines with a hip and a knee have it, and it is looked for where the model has a

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.ground.suggest import nearest
-from exoid.symbolic.joints import JOINT_NAME, TAKEN, Joint
+from exoid.symbolic.joints import JOINT_NAME, MOST, TAKEN, Joint
 from exoid.symbolic.model import STANDARD_GRAVITY, Limits, Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.robot_file import MOVING, RobotFile, RobotFileError, RobotJoint, numbers_of
@@ -105,6 +105,9 @@ def chosen_joints(
     chosen = list(names) or [name for name, joint in robot.joints.items() if joint.kind in MOVING]
     _check_names(robot, chosen, where)
     joints = [robot.joints[name] for name in chosen]
+    if len(joints) > MOST:
+        what = f"{len(joints)} joints move, and a machine has at most {MOST}"
+        raise RobotFileError(what, where=where, remedy="choose those of one machine with --joints")
     if not names:
         joints = _carriers_first(robot, joints)
     return joints, _parents(robot, joints, where)

@@ -28,8 +28,8 @@ from exoid.symbolic.planar_machine import (
 from exoid.symbolic.robot_file import RobotFile, RobotJoint, numbers_of
 
 ROUNDED = 2e-5
-"""rad within which an angle is a right one that was written with few digits: 1.5708, 3.1416. What a machine shows of its
-links' numbers depends on whether axes are exactly parallel."""
+"""rad within which an angle is a right one that was written with few digits: 1.5708, 3.1416. What a machine shows of
+its links' numbers depends on whether axes are exactly parallel."""
 DIGITS = 12
 """Of m and rad that are kept of what several joints of the file make together."""
 

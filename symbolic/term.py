@@ -77,7 +77,9 @@ class Term:
             raise EffectError(
                 f"{effect.id} needs a joint"
                 if self.joint is None and places
-                else f"{effect.id} has no place at {self.joint!r}" + (f": {reason}" if reason else ""),
+                else f"{effect.id} has no place "
+                + ("here" if self.joint is None else f"at {self.joint!r}")
+                + (f": {reason}" if reason else ""),
                 where=effect.id,
                 remedy="use " + " or ".join(f"{effect.id}:{joint}" for joint in places)
                 if places

@@ -27,9 +27,10 @@ def commands(page: Path) -> list[str]:
 
 def write_files(page: Path, folder: Path) -> None:
     """Write the TOML files that a page shows, those that start with their name, `# plan.toml`, and the URDFs."""
-    for name, text in re.findall(r"^```xml\n<!-- (\S+\.urdf) -->\n(.*?)^```", page.read_text("utf-8"), flags=re.S | re.M):
+    whole = page.read_text("utf-8")
+    for name, text in re.findall(r"^```xml\n<!-- (\S+\.urdf) -->\n(.*?)^```", whole, flags=re.S | re.M):
         (folder / name).write_text(text, encoding="utf-8")
-    for name, text in re.findall(r"^```toml\n# (\S+\.toml)\n(.*?)^```", page.read_text("utf-8"), flags=re.S | re.M):
+    for name, text in re.findall(r"^```toml\n# (\S+\.toml)\n(.*?)^```", whole, flags=re.S | re.M):
         (folder / name).write_text(text, encoding="utf-8")
 
 

@@ -102,8 +102,8 @@ def _machine(model: Model, factors: np.ndarray) -> Machine:
 
 
 def _body(joints: Sequence[Joint], index: int, mass: float, longer: float, thicker: float) -> dict[str, float]:
-    """Return the ten parameters of a link in space: a thick rod towards the next joint, of the last one straight on from
-    the joint before, or a block along its own axis where these are at one place.
+    """Return the ten parameters of a link in space: a thick rod towards the next joint, of the last one straight on
+    from the joint before, or along its own axis where these are at one place.
     """
     joint, below = joints[index], [k for k, above in enumerate(parents(joints)) if above == index]
     origin = joint.origin or HERE

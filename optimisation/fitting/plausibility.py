@@ -165,7 +165,7 @@ def _links(model: Model, linear: Float) -> list[Finding]:
 
 
 def _no_bodies(count: int) -> Finding:
-    """Return the same of an arm in space. It is no warning: the inertia of a hand is often smaller than its interval."""
+    """Return the same of an arm in space. It is no warning: a hand's inertia is often smaller than its interval."""
     what = f"no bodies of positive mass and inertia have exactly Φ1 to Φ{count}"
     remedy = "its torque prediction may still be good; faster motion of the last joints determines their small inertias"
     return Finding("realisable", "info", what, f"Phi1..Phi{count}", 0.0, 0.0, remedy)

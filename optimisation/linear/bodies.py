@@ -30,8 +30,7 @@ THICK = 0.4
 
 @dataclass(frozen=True, eq=False)
 class Body3D:
-    """A rigid body: `mass` kg, `centre` (3,) m of its mass, and `inertia` (3, 3) kg·m² about that, in its joint's frame.
-    """
+    """A rigid body in its joint's frame: `mass` kg, `centre` (3,) m of that, and `inertia` (3, 3) kg·m² about it."""
 
     mass: float
     centre: Float
@@ -87,8 +86,9 @@ def _usual(model: Model, phi: Float) -> tuple[Body3D, ...]:
     long = [float(np.linalg.norm(place)) for place in places[1:]]
     length = max(USUAL, float(np.mean(long))) if long else USUAL
     power = {"kg": 0, "kg·m": 1, "kg·m²": 2}
-    mass = max((abs(value) / length ** power[p.unit] for value, p in zip(phi, model.inertial, strict=True)), default=1.0)
-    body = Body3D(mass or 1.0, np.zeros(3), (mass or 1.0) * (THICK * length) ** 2 * np.eye(3))
+    sizes = [abs(value) / length ** power[p.unit] for value, p in zip(phi, model.inertial, strict=True)]
+    mass = max(sizes, default=1.0) or 1.0
+    body = Body3D(mass, np.zeros(3), mass * (THICK * length) ** 2 * np.eye(3))
     return (body,) * len(model.joints)
 
 

@@ -116,7 +116,8 @@ def _hermitian(inertia: float, along: float, across: float, mass: float) -> NDAr
 def nearest_matrices(
     before: Matrices, weights: Matrices, values: Float
 ) -> NDArray[np.complex128] | None:
-    """Return the Hermitian matrices P (J, n, n) nearest to `before` for which Σ_k tr(W_pk P_k) are `values` (P,); None for none.
+    """Return the Hermitian matrices P (J, n, n) nearest to `before` for which Σ_k tr(W_pk P_k) are `values` (P,); None
+    for none.
 
     Newton's method on the dual problem, max Σ log det S_k + ν·values with S = P₀⁻¹ - Σ_p ν_p W_p and P = S⁻¹. It has
     no conditions but that S is positive definite, which it is at ν = 0, and is unbounded where there is no P.

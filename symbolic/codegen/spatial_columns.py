@@ -1,5 +1,4 @@
-"""Columns of a tree of links in space in CasADi: Newton and Euler's recursion, confirmed by Lagrange from energies alone.
-"""
+"""Columns of a tree of links in space in CasADi: Newton and Euler's recursion, confirmed by Lagrange."""
 
 from __future__ import annotations
 

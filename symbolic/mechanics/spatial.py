@@ -70,8 +70,8 @@ def joint_torques(
     joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
     inertial: Sequence[Mapping[str, Any]],
 ) -> list[Any]:  # fmt: skip
-    """Return the torque at every joint (J,) of links with the `inertial` parameters (J,), {kind: number}, those left out
-    being zero; other arguments as of `link_columns`.
+    """Return the torque at every joint (J,) of links with the `inertial` parameters (J,), {kind: number}, those left
+    out being zero; other arguments as of `link_columns`.
     """
     bodies, above = _bodies(joints, pull, q, dq, ddq, lib), parents(joints)
     wrenches = [_wrench(body, own) for body, own in zip(bodies, inertial, strict=True)]

@@ -34,9 +34,9 @@ SLOW_TO_IMPORT = {
 EDGE = "workbench"
 DOORS = (
     "symbolic/model.py", "symbolic/codegen/fingerprint.py", "symbolic/codegen/kernel.py",
-    "symbolic/mechanics/payload.py",
+    "symbolic/mechanics/payload.py", "symbolic/term.py",
 )  # fmt: skip
-"""Where our own modules may be imported inside functions: a command loads only what it runs, and these four modules are
+"""Where our own modules may be imported inside functions: a command loads only what it runs, and these modules are
 the doors to the derivation, which a model whose code is compiled already never needs.
 """
 

@@ -126,7 +126,8 @@ def test_any_tree_in_space_is_a_machine_without_editing_the_file(tmp_path):
     """All that move, in an order of ours; a joint left out and fixed ones become a part of the way."""
     text = LEG.replace('<axis xyz="-1 0 0"/>', '<axis xyz="2 0 0"/>')
     swapped = text.replace('<robot name="walker">', '<robot name="walker"><joint name="toe" type="prismatic">'
-                           '<parent link="foot"/><child link="tip"/><origin rpy="1.5708 0 0"/><axis xyz="0 0 1"/></joint>')
+                           '<parent link="foot"/><child link="tip"/><origin rpy="1.5708 0 0"/>'
+                           '<axis xyz="0 0 1"/></joint>')  # fmt: skip
     found = robot_machine(robot(tmp_path, swapped))
     assert found.names == ("hip-yaw", "hip", "knee", "ankle", "toe")
     hip, knee, ankle, toe = found.model.joints[1:]
@@ -136,6 +137,14 @@ def test_any_tree_in_space_is_a_machine_without_editing_the_file(tmp_path):
     assert any("right ones" in note for note in found.notes) and any("called hip_yaw" in note for note in found.notes)
     without = robot_machine(robot(tmp_path, swapped), ["hip-yaw", "knee"]).model
     assert without.joints[1].origin.xyz == (0.0, 0.12, -0.42), "the hip stands still at zero"
+
+
+def test_a_machine_has_twelve_joints_at_most(tmp_path):
+    joints = "".join(f'<joint name="a{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/></joint>'
+                     for k in range(13))  # fmt: skip
+    with pytest.raises(RobotFileError, match="13 joints move") as refused:
+        robot_machine(robot(tmp_path, f'<robot name="long">{joints}</robot>'))
+    assert "--joints" in refused.value.remedy
 
 
 def test_a_mimic_joint_is_refused_in_space_too(tmp_path):

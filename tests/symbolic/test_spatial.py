@@ -1,5 +1,7 @@
 """Machines in space: what they say in files, and their equations against SymPy, Pinocchio and MuJoCo."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,14 +61,16 @@ def test_an_encoder_that_reads_too_little():
     model, on = machine(ELBOW), motion(2)
     off = model.with_effect("encoder_offset:lift")
     linear = np.linspace(0.1, 1.0, len(model.parameters))
-    moved = Motion(on.t, on.q + [0.0, 0.2], on.dq, on.ddq)
+    moved = Motion(on.t, on.q + np.array([0.0, 0.2]), on.dq, on.ddq)
     np.testing.assert_allclose(off.torque(on, linear, np.array([0.2])), model.torque(moved, linear), atol=1e-12)
 
 
 @pytest.mark.parametrize("backend", ["auto", "vm"])
 def test_numpy_and_generated_code_agree(backend):
     model = machine((*ELBOW, Joint("slide", "prismatic", axis=(1, 0, 0), origin=Origin((0, 0, 0.2)))))
-    for term in ("stribeck:turn", "load_friction:lift", "time_delay:slide", "motor_elasticity:lift", "rotor_inertia:slide"):
+    for term in (
+        "stribeck:turn", "load_friction:lift", "time_delay:slide", "motor_elasticity:lift", "rotor_inertia:slide"
+    ):  # fmt: skip
         model = model.with_effect(term)
     on, linear = motion(3), np.linspace(0.05, 0.3, len(model.parameters))
     fast = compiled(model, backend)
@@ -186,6 +190,15 @@ def test_a_model_file_says_the_same_again(tmp_path):
     again = read_model(write_model(model, tmp_path / "m.toml"))
     assert again.joints == model.joints and again.gravity_vector == vector and again.key() == model.key()
     assert machine(joints, (0.0, 0.0, -9.81)).key() == machine(joints).key()
+
+
+def test_gravity_and_its_vector_cannot_contradict_each_other():
+    model = machine(ELBOW, (0.0, 3.0, -9.0))
+    assert model.gravity == np.hypot(3.0, 9.0) and replace(model, gravity=(0.0, 0.0, -1.0)).gravity_vector is None
+    with pytest.raises(EffectError, match="its vector"):
+        replace(model, gravity=1.0)
+    with pytest.raises(EffectError, match="the machine is planar"):
+        machine((Joint("a"),), (0.0, 0.0, -9.81))
 
 
 HEAD = '[[joints]]\nname = "a"\n'

@@ -45,9 +45,9 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
         f"{options.name}.xml": f"""<?xml version="1.0" encoding="utf-8"?>
 <!-- Written by exoid for MuJoCo. Masses and inertias are one choice of many with the identified parameters.
      {frames}{swaying}
-     frictionloss is Coulomb friction, a constraint of MuJoCo that is a little soft at rest, where the model has the sign
-     of the velocity; damping is viscous friction; armature is the drive's inertia times its gear ratio squared, where
-     the bodies do not contain it.
+     frictionloss is Coulomb friction, a constraint of MuJoCo that is a little soft at rest, where the model has the
+     sign of the velocity; damping is viscous friction; armature is the drive's inertia times its gear ratio squared,
+     where the bodies do not contain it.
      Effects of the model that MJCF cannot carry: {left_out(ready, CARRIED)}. -->
 <mujoco model="{options.name}">
   <compiler angle="radian" autolimits="true" eulerseq="XYZ"/>

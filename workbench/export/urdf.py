@@ -35,7 +35,8 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     joints, names = tree_of(ready.model), link_names(ready)
     base = base_name(names)
     if ready.model.spatial:
-        parts = [f'  <link name="{name}">{inertial_of(one)}</link>' for name, one in zip(names, bodies_of(ready), strict=True)]
+        named = zip(names, bodies_of(ready), strict=True)
+        parts = [f'  <link name="{name}">{inertial_of(one)}</link>' for name, one in named]
     else:
         parts = [_link(name, one) for name, one in zip(names, links_of(ready), strict=True)]
     for joint, child, parent in zip(joints, names, parents(joints), strict=True):

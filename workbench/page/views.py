@@ -17,8 +17,8 @@ from exoid.ground.text import printable
 from exoid.measurement.reading.sources import suffixes
 from exoid.optimisation.linear.links import tree_of
 from exoid.symbolic.joints import HERE, Joint, parents
-from exoid.symbolic.mechanics.spatial import rotation
 from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
+from exoid.symbolic.mechanics.spatial import rotation
 from exoid.symbolic.wording import called, number_said, title_of
 from exoid.workbench.exporting import formats
 from exoid.workbench.page import answers
@@ -201,7 +201,7 @@ def _lengths(model: Any) -> list[float]:
 
 
 def _in_space(joint: Joint) -> dict[str, Any] | None:
-    """Return how a joint lies on the link that carries it: turned (3, 3), place (3,) m and axis (3,); None in a plane."""
+    """Return how a joint lies on the link that carries it: turned (3, 3), place (3,) m, axis (3,); None in a plane."""
     if joint.axis is None:
         return None
     origin = joint.origin or HERE
