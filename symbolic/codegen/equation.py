@@ -16,7 +16,7 @@ from exoid.ground.errors import EffectError
 from exoid.symbolic.codegen.layout import BASE_STATE, STEMS, force_names, state_names
 from exoid.symbolic.codegen.spatial_columns import spatial_columns
 from exoid.symbolic.codegen.translate import casadi_from_sympy
-from exoid.symbolic.codegen.tree_columns import LONGEST_SYMBOLIC, tree_columns
+from exoid.symbolic.codegen.tree_columns import AS_THEY_ARE, LONGEST_SYMBOLIC, AlteredLinks, tree_columns
 from exoid.symbolic.language.deflection import STATES
 from exoid.symbolic.language.instant import split_memory
 from exoid.symbolic.language.lower import to_casadi, to_sympy
@@ -209,24 +209,22 @@ class _Builder:
         ca, model, joints = self.ca, self.model, self.model.chain
         q, dq, ddq = ([self.state[f"{stem}{k + 1}"] for k in range(self.count)] for stem in STEMS[:3])
         inertial, self.reach = len(model.inertial), ca.SX.sym("reach")
-        base, aside, added = STILL, [], [ca.SX(0)] * self.count
-        across: tuple[int, ...] = ()
-        lengths: dict[int, Any] = {}
+        base, aside, added, altered = STILL, [], [ca.SX(0)] * self.count, AS_THEY_ARE
         if model.derived:
             mechanism, torques_added, _ = changed(machine(joints), model.derived)
             changes = tree_changes(mechanism)
             q = [angle + more for angle, more in zip(q, casadi_from_sympy([*changes.offset], symbols), strict=True)]
-            across, aside = tuple(changes.moments), casadi_from_sympy([*changes.moments.values()], symbols)
-            lengths = dict(
-                zip(changes.lengths, casadi_from_sympy([*changes.lengths.values()], symbols), strict=True)
+            aside, lengths = (
+                casadi_from_sympy([*some.values()], symbols) for some in (changes.moments, changes.lengths)
             )
+            altered = AlteredLinks(tuple(changes.moments), dict(zip(changes.lengths, lengths, strict=True)))
             forward, downward = casadi_from_sympy([*changes.pull], symbols)
             base = BaseMotion(forward=forward, upward=downward - model.gravity)
             added = casadi_from_sympy([*torques_added], symbols)
         if model.moving_base:
             angle, rate, turning, ax, az = (self.state[name] for name in BASE_STATE)
             base = BaseMotion(angle, rate, turning, base.forward + ax, base.upward + az)
-        found = tree_columns(joints, model.gravity, q, dq, ddq, base, across, model.moving_base, self.longest, lengths)
+        found = tree_columns(joints, model.gravity, q, dq, ddq, base, altered, model.moving_base, self.longest)
         own = self._own_numbers()
         for p, column in enumerate(found[:inertial]):
             rest = [self._without(entry, own) for entry in column]

@@ -5,6 +5,7 @@ joints.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,17 @@ class DerivationError(ArithmeticError):
     """Two derivations of the same machine disagree: an error in exoid."""
 
 
+@dataclass(frozen=True)
+class AlteredLinks:
+    """Links with a mass beside their axis (`across`), and those of another length than their joints say, {link: m}."""
+
+    across: tuple[int, ...] = ()
+    lengths: Mapping[int, Any] = field(default_factory=lambda: AS_GIVEN)
+
+
+AS_THEY_ARE = AlteredLinks()
+
+
 def tree_columns(
     joints: tuple[Joint, ...],
     gravity: float,
@@ -33,20 +45,19 @@ def tree_columns(
     dq: Sequence[Any],
     ddq: Sequence[Any],
     base: BaseMotion = STILL,
-    across: tuple[int, ...] = (),
+    altered: AlteredLinks = AS_THEY_ARE,
     measured: bool = False,
     longest: int = LONGEST_SYMBOLIC,
-    lengths: Mapping[int, Any] = AS_GIVEN,
 ) -> list[list[Any]]:
     """Return the torque at every joint (J,) per unit of each base parameter (P,), for CasADi symbols of the motion.
 
     `base` are CasADi expressions of the base's motion, `measured` where they are those of recordings. A column for
-    the mass beside the axis of each link `across` follows. Links among `lengths` have another length than their joints
-    say. Up to `longest` joints they are Lagrange's. DerivationError where Lagrange and Newton-Euler differ at random
-    states.
+    the mass beside the axis of each link that is `altered` so follows. Up to `longest` joints they are Lagrange's.
+    DerivationError where Lagrange and Newton-Euler differ at random states.
     """
     import casadi
 
+    across, lengths = altered.across, altered.lengths
     parameters = base_parameters(joints, gravity, measured)
     links = link_torques(joints, gravity, q, dq, ddq, casadi, base, across, lengths)
     wanted_of = [(p.link, p.kind) for p in parameters] + [(link, ACROSS) for link in across]

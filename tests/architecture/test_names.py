@@ -17,6 +17,7 @@ PLUG_INS = {
     "measurement/reading/formats": {"read", "is_large", "pieces"},
     "symbolic/effects": {"derive"},
     "optimisation/paper/items": {"answer"},
+    "diagnosis/readings": {"entry", "what_is_wrong"},
 }
 """What each file of a folder of plug-ins defines for whoever reads the folder."""
 
