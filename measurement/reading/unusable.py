@@ -1,8 +1,8 @@
 """Stretches in which a sensor certainly did not measure: they are masked like bad cells, and said so.
 
 A frozen or saturated stretch is no outlier: its rows agree with each other, so no loss can tell them from the truth.
-What is only likely stays in and is a warning of the audit (`checks/frozen.py`, `checks/saturated.py`). Where a force was
-not measured no torque says anything.
+What is only likely stays in and is a warning of the audit (`checks/frozen.py`, `checks/saturated.py`). Where a force
+was not measured no torque says anything.
 """
 
 from __future__ import annotations
