@@ -271,8 +271,8 @@ def pushed(outside: Intermittent, joints: Sequence[Joint]) -> Conclusion:
     """Return the conclusion where something that was not measured pushes the machine in part of the time."""
     return Conclusion(
         "unexplained",
-        f"fitted to the other {100 * (1.0 - outside.share):.0f} % of the time alone, the model leaves little there, and "
-        f"what is left otherwise comes and goes in every recording, {outside.likeness}",
+        f"fitted to the other {100 * (1.0 - outside.share):.0f} % of the time alone, the model leaves little there, "
+        f"and what is left otherwise comes and goes in every recording, {outside.likeness}",
         outside.sentence(joints),
         "no effect, sign, convention or delay is looked for in a torque that comes from outside the machine",
         ADVICE,

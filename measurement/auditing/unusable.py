@@ -2,8 +2,8 @@
 measurement are masked like bad cells; both are said.
 
 A frozen or saturated stretch is no outlier: its rows agree with each other, so no loss can tell them from the truth.
-What is only likely stays in and is a warning of the audit (`checks/frozen.py`, `checks/saturated.py`). Where a force was
-not measured no torque says anything.
+What is only likely stays in and is a warning of the audit (`checks/frozen.py`, `checks/saturated.py`). Where a force
+was not measured no torque says anything.
 """
 
 from __future__ import annotations

@@ -141,7 +141,10 @@ def plate(offset=0.0, swing=0.4):
 @pytest.mark.shows("tared.OFF", "tared.SWING", "tared.LOW")
 @pytest.mark.parametrize(
     ("values", "told"),
-    [(plate(), False), (plate(12.0), False), (plate(30.0), True), (plate(-60.0), True), (plate(60.0, 0.02), False), (-plate(), False), (-plate(30.0), True)],
+    [
+        (plate(), False), (plate(12.0), False), (plate(30.0), True), (plate(-60.0), True), (plate(60.0, 0.02), False),
+        (-plate(), False), (-plate(30.0), True),
+    ],
 )
 def test_a_plate_that_was_not_tared_is_told(values, told):
     assert bool(CHECKS["tared"](recording(grf_z=values))) is told
