@@ -127,6 +127,8 @@ def test_the_command_makes_a_model_of_an_arm(tmp_path, monkeypatch, capsys):
     assert main(["model", "--from-urdf", "arm.urdf"]) == 0
     assert "a spatial machine" in capsys.readouterr().out
     assert read_model("arm.toml").joint_names == ("j0", "j1", "j2", "j3")
+    assert main(["model", "--from-urdf", "arm.urdf", "--out", "new", "--quiet"]) == 0
+    assert read_model("new/arm.toml").spatial
     model, given = identified()
     bare = write_model(model, tmp_path / "m.toml").read_text(encoding="utf-8")
     lines = "\n".join(f'"{name}" = {float(value)!r}' for name, value in given.linear.items())

@@ -45,9 +45,9 @@ def run(args: argparse.Namespace) -> int:
     names = [name.strip() for name in (args.joints or "").split(",") if name.strip()]
     found = robot_machine(read_robot(args.from_urdf), names, args.gravity, args.from_urdf)
     target = args.write or _free_name(found.model.name, args.out)
-    check_new_model(target, args.from_urdf)
     if args.out:
         make_folder(args.out)
+    check_new_model(target, args.from_urdf)
     write_model(found.model, target)
     screen = Screen.of(args)
     title = f"{found.model.name}: gravity {found.model.gravity:g} m/s²"
