@@ -47,6 +47,8 @@ def choose(
         rivals = [s for s in scores if s.eligible and s.name not in banned and s is not good[0]]
         wanted = [good[0], *(s for s in rivals if s.share >= context.rules.half * good[0].share)]
         near, alike = shortlist(context, extension, evidence, wanted)
+        if failed.issuperset(s.name for s in near):  # what comes near them does not come near what is left
+            near, alike = shortlist(context, extension, evidence, [s for s in wanted if s.name not in failed])
         found = refitted(context, extension, evidence, near, alike, failed)
         chosen = next(s for s in near if s.name not in failed)
         if found is not None and found.added is not None:

@@ -204,3 +204,20 @@ def test_long_recordings_are_searched_in_stretches():
     assert len(cut.train) == 600 / 30 and len(cut.verify) == 300 / 30
     assert cut.train[0].t[-1] - cut.train[0].t[0] == pytest.approx(30.0, abs=0.1)
     assert len(searched_stretches(prepared(700.0, 250.0)).train) == 20  # a little more than is searched whole
+
+
+def test_what_is_left_has_its_turn_where_all_that_came_near_have_failed(monkeypatch):
+    """The best by far fails its placebos; the others do not come near it."""
+    best = score("best", 0.9, eligible=True, significant=False)
+    first, other = (score(name, 0.5, eligible=True, significant=True) for name in ("first", "other"))
+    context = SimpleNamespace(rules=RULES, tested=lambda extension, one: one, sure=lambda one: False)
+    monkeypatch.setattr(choice, "shortlist", lambda *asked: ([max(asked[3], key=lambda one: one.share)], {}))
+    turns = []
+
+    def refits(context, extension, evidence, near, alike, failed):
+        turns.append([one.name for one in near])
+        return choice.Extension(None, best) if near[0] is best else None
+
+    monkeypatch.setattr(choice, "refitted", refits)
+    found = choice.choose(context, None, None, [first, best, other], frozenset())
+    assert found.found is None and turns == [["best"], ["first"], ["other"]]
