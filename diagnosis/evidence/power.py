@@ -105,7 +105,7 @@ def _power(
     wanted = max(needed / (1.0 - min(needed, MOST)) * loss, _by_chance(evidence, columns, node))
     parts = [(wanted, falls[most])]
     if evidence.unseen_loss:
-        parts.append((evidence.rules.half * least * evidence.unseen_loss, unseen[most]))
+        parts.append((least * evidence.unseen_loss, unseen[most]))
     with np.errstate(divide="ignore"):
         times = max(float(np.sqrt(np.divide(need, gain))) if gain > 0.0 else np.inf for need, gain in parts)
     term = candidate.term

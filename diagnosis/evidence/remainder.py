@@ -251,7 +251,7 @@ def _p_value(parts: Sequence[CurveData], columns: Sequence[Columns], share: floa
 
 def significant(one: Remainder, rules: Rules = RULES) -> bool:
     """Whether a remainder is certain enough to be reported as structure that nobody explains."""
-    fresh = one.unseen >= rules.half * rules.least_share
+    fresh = one.unseen >= rules.least_share
     return one.p_value is not None and one.p_value <= rules.strict_level and one.share >= rules.least_share and fresh
 
 

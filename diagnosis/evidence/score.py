@@ -136,7 +136,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
-    helps = share >= rules.least_share and (unseen is None or unseen >= rules.half * rules.least_share)
+    helps = share >= rules.least_share and (unseen is None or unseen >= rules.least_share)
     steady = harmless(rules, gain.folds[:, 0])
     return Score(
         candidate,

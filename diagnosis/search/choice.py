@@ -155,7 +155,7 @@ def _refits(
     helping = [
         (score, found)
         for score, found in refits
-        if (context.unseen_gain(extension, found) >= rules.half * rules.least_share or extension.outvotes(found, rules))
+        if (context.unseen_gain(extension, found) >= rules.least_share or extension.outvotes(found, rules))
         and not context.doubt(extension, found)
     ]
     return helping, elsewhere
