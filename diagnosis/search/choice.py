@@ -12,6 +12,7 @@ from statistics import NormalDist
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import look_alikes
@@ -22,6 +23,9 @@ from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import ascending, least_of
+
+Refined = tuple[Score, list[Columns]]
+"""A score at refined shape values, and its columns there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,14 +45,16 @@ def choose(
 ) -> Choice:
     """Return the model with the best candidate that really helps after a full refit."""
     failed: frozenset[str] = frozenset()
+    known: dict[str, Refined] = {}
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
         # That something is missing is certain, the question is what; whatever is chosen must beat its own placebos too.
         # What does not may resemble itself when it is shifted, as what hardly varies does: it stays a look-alike.
         rivals = [s for s in scores if s.eligible and s.name not in banned and s is not good[0]]
         wanted = [good[0], *(s for s in rivals if s.share >= context.rules.half * good[0].share)]
-        near, alike = shortlist(context, extension, evidence, wanted)
+        near, alike = shortlist(context, extension, evidence, wanted, known)
         if failed.issuperset(s.name for s in near):  # what comes near them does not come near what is left
-            near, alike = shortlist(context, extension, evidence, [s for s in wanted if s.name not in failed])
+            rest = [s for s in wanted if s.name not in failed]
+            near, alike = shortlist(context, extension, evidence, rest, known)
         found = refitted(context, extension, evidence, near, alike, failed)
         chosen = next(s for s in near if s.name not in failed)
         if found is not None and found.added is not None:
@@ -60,10 +66,19 @@ def choose(
 
 
 def shortlist(
-    context: SearchContext, extension: Extension, evidence: Evidence, scores: Sequence[Score]
+    context: SearchContext,
+    extension: Extension,
+    evidence: Evidence,
+    scores: Sequence[Score],
+    known: dict[str, Refined] | None = None,
 ) -> tuple[list[Score], Collection[str]]:
-    """Refine the shape values of `scores`; return those worth a refit, best first, and the look-alikes of the best."""
-    refined = [context.refined(evidence, extension, s) for s in scores]
+    """Refine the shape values of `scores`; return those worth a refit, best first, and the look-alikes of the best.
+
+    `known` are those refined before, and are added to.
+    """
+    known = {} if known is None else known
+    known |= {s.name: context.refined(evidence, extension, s) for s in scores if s.name not in known}
+    refined = [known[s.name] for s in scores]
     # Of two with the same torque the plainer comes first.
     refined = ascending(sorted(refined, key=lambda pair: _plainness(pair[0])), lambda pair: -pair[0].share, 1.0)
     alike = look_alikes(evidence, refined[0], refined[1:])
