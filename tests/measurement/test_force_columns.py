@@ -6,10 +6,10 @@ from tables import leg
 
 from exoid.ground.errors import RecordingError
 from exoid.measurement.auditing.audit import find_checks
+from exoid.measurement.auditing.unusable import mask_unusable
 from exoid.measurement.forces import force_signals, pushed_model, unused_forces, usual_forces
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.read import read_recording
-from exoid.measurement.reading.unusable import mask_unusable
 from exoid.measurement.recording import Recording, to_csv
 from exoid.symbolic.force import TORQUE, VERTICAL, WORLD, Force
 from exoid.symbolic.joints import LEG, Joint
