@@ -156,7 +156,7 @@ def remainders(
             found.append(one)
     # A curve of its own for each recording must earn that freedom.
     found = ascending(found, lambda one: -one.share * (evidence.rules.most if one.own else 1.0), 1.0)
-    telling = [k for k, one in enumerate(found[:placebos]) if one.share >= evidence.rules.least_share]
+    telling = [k for k, one in enumerate(found[:placebos]) if one.share >= least_of_a_curve(evidence.rules)]
 
     def chance(k: int) -> float:
         one = found[k]
@@ -249,10 +249,15 @@ def _p_value(parts: Sequence[CurveData], columns: Sequence[Columns], share: floa
     return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
 
 
+def least_of_a_curve(rules: Rules) -> float:
+    """Return the share of the loss that a curve explains at least: it bends as filter and derivatives err, too."""
+    return rules.artefact * rules.least_share
+
+
 def significant(one: Remainder, rules: Rules = RULES) -> bool:
     """Whether a remainder is certain enough to be reported as structure that nobody explains."""
-    fresh = one.unseen >= rules.least_share
-    return one.p_value is not None and one.p_value <= rules.strict_level and one.share >= rules.least_share and fresh
+    enough = one.share >= least_of_a_curve(rules) and one.unseen >= rules.least_share
+    return one.p_value is not None and one.p_value <= rules.strict_level and enough
 
 
 def _curve(part: CurveData, splines: Splines) -> tuple[Float, Float]:
