@@ -6,35 +6,43 @@ correct, and effects are looked for when that is done.
 
 from __future__ import annotations
 
+import sys
+from functools import cache
+from types import ModuleType
+
 from exoid.diagnosis.evidence.channel_doubt import Doubt
-from exoid.diagnosis.readings import link_length, thigh_length
+from exoid.ground.folder import modules_in
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 
-READINGS = (thigh_length, link_length)
-"""Of each module: EFFECT; `entry(model, prepared)`, that effect where it may be the case, or None; and
-`what_is_wrong(fit, name)`, what is to be said where it was accepted."""
-_BY_ID = {one.EFFECT.id: one for one in READINGS}
+
+@cache
+def _readings() -> dict[str, ModuleType]:
+    """Return the modules of this folder by the id of what each defines: EFFECT; `entry(model, prepared)`, that effect
+    where it may be the case, or None; and `what_is_wrong(fit, name)`, what is to be said where it was accepted.
+    """
+    return {one.EFFECT.id: one for one in modules_in(sys.modules[__name__]).values()}
 
 
 def readings_of(model: Model, prepared: Prepared) -> tuple[Effect, ...]:
     """Return the entries of the readings that may be the case."""
-    entries = (one.entry(model, prepared) for one in READINGS)
+    entries = (one.entry(model, prepared) for one in _readings().values())
     return tuple(one for one in entries if one is not None)
 
 
 def is_reading(name: str) -> bool:
     """Whether the term called `name` is a reading."""
-    return name.partition(":")[0] in _BY_ID
+    return name.partition(":")[0] in _readings()
 
 
 def reading_said(name: str) -> str:
     """Return what a reading is, in words."""
-    return _BY_ID[name.partition(":")[0]].EFFECT.title.lower()
+    return str(_readings()[name.partition(":")[0]].EFFECT.title.lower())
 
 
 def reading_doubt(fit: Fit, name: str) -> Doubt:
     """Return what is to be said where the reading called `name` was accepted, by a fit in which it is."""
-    return _BY_ID[name.partition(":")[0]].what_is_wrong(fit, name)
+    found: Doubt = _readings()[name.partition(":")[0]].what_is_wrong(fit, name)
+    return found
