@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.mujoco_leg import ask  # noqa: E402 - the repository must be on the path first
+from benchmarks.mujoco_leg import ask, names_right  # noqa: E402 - the repository must be on the path first
 from exoid.diagnosis.discover import discover  # noqa: E402
-from exoid.diagnosis.grading import match  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.symbolic.joints import Joint  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
@@ -294,9 +293,7 @@ def run(case: str, seed: int) -> tuple[bool, str]:
     runs = [simulate(chain, rng, f"run_{k}")[0] for k in range(4)]
     found = discover(Model("chain", limits={}, joints=chain.joints), runs[:3], runs[3:])
     truth = [] if chain.built is None else [case.split(":")[0] if chain.built.where == "tilt" else case]
-    named = match(truth, [(one.name, one.look_alikes) for one in found.accepted])
-    right = None not in named.values() and len(found.accepted) == len(truth)
-    right = right and (bool(truth) or found.verdict == "adequate")
+    right = names_right(truth, found)
     numbers = {name: round(value, 3) for name, value in chain.numbers.items()}
     text = ", ".join(f"{a.name} {[round(e.value, 4) for e in a.parameters.values()]}" for a in found.accepted)
     errors = f"{np.round(found.steps[-1].evaluation_rms, 3).tolist()} at {np.round(found.noise_floor, 3).tolist()} N·m"

@@ -12,6 +12,7 @@ the catalogue is what was built. Needs the extra `peers`.
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import math
 import sys
 import time
@@ -26,6 +27,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from exoid.diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from exoid.diagnosis.grading import match  # noqa: E402
+from exoid.diagnosis.results import Diagnosis  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.measurement.trajectories.trajectory import random_trajectory  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
@@ -175,14 +178,24 @@ def run(name: str, seed: int) -> tuple[bool, str]:
     )
 
 
+def names_right(truth: Sequence[str], found: Diagnosis) -> bool:
+    """Return whether what was accepted is what is hidden, and nothing else; where nothing is, whether it says so."""
+    named = match(truth, [(one.name, one.look_alikes) for one in found.accepted])
+    right = None not in named.values() and len(found.accepted) == len(truth)
+    return right and (bool(truth) or found.verdict == "adequate")
+
+
 def ask(
     doc: str | None,
     cases: Collection[str],
     run: Callable[[str, int], tuple[bool, str]],
     first: int,
     arguments: Sequence[str] | None = None,
+    needs: str = "mujoco",
 ) -> int:
-    """Run the cases of a script, print a line about each and how many are right; `first` is the usual first seed."""
+    """Run the cases of a script, print a line about each and how many are right; `first` is the usual first seed,
+    `needs` the module that simulates.
+    """
     text, _, rest = (doc or "").partition("\n\n")
     form = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=text, epilog=rest, formatter_class=form)
@@ -193,10 +206,8 @@ def ask(
     unknown = [name for name in given.cases if name not in cases]
     if unknown:
         parser.error(f"there is no case {', '.join(unknown)}; use {', '.join(cases)}")
-    try:
-        import mujoco  # noqa: F401
-    except ImportError:
-        print("MuJoCo is not installed; pip install 'exoid[peers]'")
+    if importlib.util.find_spec(needs) is None:
+        print(f"{needs} is not installed; pip install 'exoid[peers]'")
         return 2
     good = []
     for seed in range(given.first, given.first + given.seeds):

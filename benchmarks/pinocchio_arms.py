@@ -18,7 +18,6 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +26,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.mujoco_chains import EFFECTS, Now  # noqa: E402 - the repository must be on the path first
-from benchmarks.mujoco_leg import ask  # noqa: E402
+from benchmarks.mujoco_leg import ask, names_right  # noqa: E402
 from exoid.diagnosis.discover import discover  # noqa: E402
-from exoid.diagnosis.grading import match  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
 from exoid.symbolic.robot_file import parse_robot  # noqa: E402
@@ -164,9 +162,7 @@ def run(case: str, seed: int) -> tuple[bool, str]:
     runs = [simulate(arm, rng, f"run_{k}", model) for k in range(4)]
     found = discover(model, runs[:3], runs[3:])
     truth = [] if arm.effect == "nothing" else [f"{arm.effect}:j{arm.j}"]
-    named: Mapping[str, Any] = match(truth, [(one.name, one.look_alikes) for one in found.accepted])
-    right = None not in named.values() and len(found.accepted) == len(truth)
-    right = right and (bool(truth) or found.verdict == "adequate")
+    right = names_right(truth, found)
     numbers = {name: round(value, 3) for name, value in arm.numbers.items()}
     text = ", ".join(f"{one.name} {[round(e.value, 4) for e in one.parameters.values()]}" for one in found.accepted)
     answer = f"{'right' if right else 'WRONG'}; {found.verdict} [{text}] {found.seconds:.0f} s"
@@ -174,4 +170,4 @@ def run(case: str, seed: int) -> tuple[bool, str]:
 
 
 if __name__ == "__main__":
-    sys.exit(ask(__doc__, CASES, run, first=1))
+    sys.exit(ask(__doc__, CASES, run, first=1, needs="pinocchio"))
