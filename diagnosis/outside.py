@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -35,13 +34,6 @@ class ForceUse(AsJson):
     torque: tuple[float, ...]
     share: tuple[float, ...]
     sentence: str
-
-    def _json(self) -> dict[str, Any]:
-        return {
-            "name": self.name, "columns": self.columns, "link": self.link, "frame": self.frame, "at": self.at,
-            "low": self.low, "high": self.high, "gain": self.gain, "torque": self.torque, "share": self.share,
-            "sentence": self.sentence,
-        }  # fmt: skip
 
 
 def force_uses(now: FittedModel) -> tuple[ForceUse, ...]:

@@ -21,7 +21,7 @@ from exoid.symbolic.mechanics.mechanism import leg
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.mechanics.regressor import compare_with_printed, derive_regressor
-from exoid.symbolic.mechanics.spatial import AT, MOMENTS, joint_torques
+from exoid.symbolic.mechanics.spatial import about_joint, joint_torques
 from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
@@ -112,10 +112,7 @@ def _random_links(rng: np.random.Generator, count: int, spatial: bool) -> dict[s
     if not spatial:
         return {"J": own + mass * along**2, "X": mass * along, "m": mass}
     centre = along[:, None] * rng.uniform(-1.0, 1.0, (count, 3))
-    about = np.sum(centre**2, axis=1)[:, None, None] * np.eye(3) - centre[:, :, None] * centre[:, None, :]
-    tensor = own[:, None, None] * np.eye(3) + mass[:, None, None] * about
-    found = {kind: tensor[:, i, j] for kind, (i, j) in AT.items()}
-    return found | {kind: mass * centre[:, k] for k, kind in enumerate(MOMENTS)} | {"M": mass}
+    return about_joint(mass, centre.T, np.eye(3)[:, :, None] * own)
 
 
 def _newton_euler(model: Model, motion: Motion, links: dict[str, Float], swaying: BaseMotion) -> Float:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,9 +37,6 @@ class Apart(AsJson):
 
     recording: str
     sentence: str
-
-    def _json(self) -> dict[str, Any]:
-        return {"recording": self.recording, "sentence": self.sentence}
 
 
 def apart(base: FittedModel) -> tuple[int, ...]:

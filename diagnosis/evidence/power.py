@@ -61,10 +61,7 @@ class Power(AsJson):
         return self.smallest <= self.usual
 
     def _json(self) -> dict[str, Any]:
-        return {
-            "effect": self.effect, "joint": self.joint, "parameter": self.parameter, "smallest": self.smallest,
-            "usual": self.usual, "unit": self.unit, "would_show": self.would_show,
-        }  # fmt: skip
+        return {**super()._json(), "would_show": self.would_show}
 
 
 def power_of(

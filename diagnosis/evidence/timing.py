@@ -32,7 +32,7 @@ def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
     """Return whether a torque is late, early, or behind a slow filter, by more than a drive can be."""
     share = left_share(base)
     if not np.nanmax(share, initial=0.0) > rules.least_share or np.all(
-        base.evaluation_rms < 3.0 * base.prepared.noise_floor
+        base.evaluation_rms < rules.near_noise * base.prepared.noise_floor
     ):
         return None
     readings, joints = _Readings(base), np.isfinite(share)

@@ -16,7 +16,7 @@ from exoid.symbolic.columns import model_torque
 from exoid.symbolic.joints import HERE, Joint, ancestors, parents
 from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.mechanics.payload import Payload
-from exoid.symbolic.mechanics.spatial import AT, MOMENTS, rotation
+from exoid.symbolic.mechanics.spatial import about_joint, rotation
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
 
@@ -117,10 +117,7 @@ def _body(joints: Sequence[Joint], index: int, mass: float, longer: float, thick
     # Of the rod's gyration 0.1 length² lie across it, as of a planar link, and a fifth of that along it.
     unit = way / length
     own = mass * thicker * 0.1 * length**2 * (np.eye(3) - 0.8 * np.outer(unit, unit))
-    tensor = own + mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
-    found = {kind: float(tensor[place]) for kind, place in AT.items()}
-    found |= {kind: mass * float(centre[k]) for k, kind in enumerate(MOMENTS)}
-    return found | {"M": mass}
+    return about_joint(mass, centre.tolist(), own.tolist())
 
 
 def _usual(model: Model) -> Motion:

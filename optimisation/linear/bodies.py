@@ -17,7 +17,7 @@ import numpy as np
 
 from exoid.optimisation.linear.links import EXACT, nearest_matrices
 from exoid.symbolic.joints import HERE
-from exoid.symbolic.mechanics.spatial import AT, KINDS, MOMENTS
+from exoid.symbolic.mechanics.spatial import AT, KINDS, MOMENTS, about_joint
 from exoid.symbolic.mechanics.spatial_energy import pseudo_inertia
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -39,9 +39,7 @@ class Body3D:
     @property
     def numbers(self) -> Float:
         """Its ten parameters about the joint (10,), in the order of `spatial.KINDS`."""
-        c = self.centre
-        tensor = self.inertia + self.mass * (c @ c * np.eye(3) - np.outer(c, c))
-        return np.array([*(tensor[place] for place in AT.values()), *(self.mass * c), self.mass])
+        return np.array([*about_joint(self.mass, self.centre, self.inertia).values()])
 
 
 def body_of(numbers: Float) -> Body3D:

@@ -100,12 +100,6 @@ class ItemAnswer(AsJson):
         if (self.holds == HOLDS) == bool(self.why) or self.holds not in (HOLDS, IN_PART, FAILS, UNKNOWN):
             raise ValueError(f"{self.holds!r} because of {self.why!r}: what does not hold has a reason, and only that")
 
-    def _json(self) -> dict[str, Any]:
-        return {
-            "found": self.found, "holds": self.holds, "why": self.why, "text": self.text, "tables": self.tables,
-            "pictures": self.pictures,
-        }  # fmt: skip
-
 
 @dataclass(frozen=True, eq=False)
 class Answered(AsJson):
@@ -125,9 +119,6 @@ class Answered(AsJson):
         answer = self.answer
         shown = "".join(html.table(table.head, table.rows, table.caption) for table in answer.tables)
         return html.lines(self.line) + (html.code(answer.text) if answer.text else "") + shown
-
-    def _json(self) -> dict[str, Any]:
-        return {"item": self.item, "answer": self.answer}
 
 
 def item_of(file: str, module: Any) -> PaperItem:

@@ -247,9 +247,9 @@ class _Builder:
         angles, own = q, self._own_numbers()
         if model.derived:
             mechanism, torques_added, _ = changed(machine(joints), model.derived)
-            translated = casadi_from_sympy([*offset_changes(mechanism), *torques_added], symbols)
-            q = [angle + more for angle, more in zip(q, translated, strict=False)]
-            added = translated[self.count :]
+            offset = casadi_from_sympy(offset_changes(mechanism), symbols)
+            q = [angle + more for angle, more in zip(q, offset, strict=True)]
+            added = casadi_from_sympy([*torques_added], symbols)
         columns, rigid = spatial_columns(model, q, dq, ddq, self.linear)
         first = len(self.columns)
         for p, column in enumerate(columns):

@@ -122,8 +122,8 @@ def absorbed_rotors(joints: tuple[Joint, ...]) -> tuple[bool, ...]:
     """
     _, _, ddq = _states(joints)
     pull = pull_of(1.0)
-    places = [(p.link, p.kind) for p in base_parameters(joints, pull)]
-    known = [_columns(joints, pull, False)[place] for place in places]
+    columns = _columns(joints, pull, False)
+    known = [columns[p.link, p.kind] for p in base_parameters(joints, pull)]
     found = []
     for k in range(len(joints)):
         own = np.zeros(ddq.shape)

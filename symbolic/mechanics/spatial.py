@@ -43,6 +43,18 @@ class _Body:
     acceleration: Triple
 
 
+def about_joint(mass: Any, centre: Any, inertia: Any) -> dict[str, Any]:
+    """Return the ten parameters of a link, in the order of `KINDS`, from its mass, its centre of mass (3,) and its
+    inertia (3, 3) about that, all in the frame of its joint; numbers, or arrays of them.
+    """
+    square = sum(x * x for x in centre)
+    found = {
+        kind: inertia[i][j] + mass * ((square if i == j else 0.0) - centre[i] * centre[j])
+        for kind, (i, j) in AT.items()
+    }
+    return found | {kind: mass * x for kind, x in zip(MOMENTS, centre, strict=True)} | {"M": mass}
+
+
 def link_columns(
     joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
     wanted: Sequence[tuple[int, str]],
