@@ -3,19 +3,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exoid.diagnosis.evidence.columns import stacked
+from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.proxies import BetterCurve, beaten
 from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
+from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.suggestions import suggest
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext, as_fitted
 from exoid.diagnosis.search.doubt import too_short
 from exoid.diagnosis.search.state import Extension, State
+from exoid.ground.ties import ascending
 
 
 def take_back(context: SearchContext, state: State) -> State:
@@ -58,18 +61,44 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
     for joint in state.last.fitted.model.joint_names:
         here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
         disturbed = left is not None and left.joint == joint
-        single = [[n] for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
-        for group in ([here] if len(here) > 1 else []) + single:
-            context.tick(0.9, f"comparing {' and '.join(group)} with a curve without physics")
-            without = context.without(state.last, [scores[n] for n in group])
-            evidence = context.evidence(without, draws=0)
-            numbers = sum(scores[n].candidate.numbers for n in group)
-            columns = [context.columns_of(as_fitted(scores[n], state.last), without.fitted) for n in group]
-            together = stacked(columns, len(evidence.sigma))
-            winner = beaten(without.fitted, evidence, joint, together, numbers, several=len(group) > 1)
+        single = [n for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
+        alone = [_Without.of(context, state, [scores[n]]) for n in single]
+        together = [_Without.of(context, state, [scores[n] for n in here])] if len(here) > 1 else []
+        # Of two that imitate each other the weaker one is the first that a curve beats.
+        for one in together + ascending(alone, lambda one: one.share, 1.0):
+            context.tick(0.9, f"comparing {' and '.join(one.names)} with a curve without physics")
+            now, several = one.extension.fitted, len(one.names) > 1
+            winner = beaten(now, one.evidence, joint, one.columns, one.numbers, several=several)
             if winner is not None:
-                return frozenset({*group, *_superseded(context, without, evidence, winner, joint)})
+                return frozenset({*one.names, *_superseded(context, one.extension, one.evidence, winner, joint)})
     return frozenset()
+
+
+@dataclass(frozen=True, eq=False)
+class _Without:
+    """The model without the terms `names`, the evidence against it, and these terms' columns, one node, together."""
+
+    names: tuple[str, ...]
+    extension: Extension
+    evidence: Evidence
+    columns: tuple[Columns, ...]
+    numbers: int
+
+    @classmethod
+    def of(cls, context: SearchContext, state: State, scores: Sequence[Score]) -> _Without:
+        """Take `scores` out of the last model of a state."""
+        without = context.without(state.last, scores)
+        evidence = context.evidence(without, draws=0)
+        columns = [context.columns_of(as_fitted(score, state.last), without.fitted) for score in scores]
+        numbers = sum(score.candidate.numbers for score in scores)
+        both = stacked(columns, len(evidence.sigma))
+        return cls(tuple(score.name for score in scores), without, evidence, both, numbers)
+
+    @property
+    def share(self) -> float:
+        """Share of the held-out loss that the terms explain beside the others."""
+        gain = self.evidence.gain(self.evidence.plain(self.columns))
+        return float(gain.total[0] / self.evidence.fold_losses.sum())
 
 
 def _superseded(
