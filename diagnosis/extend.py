@@ -11,13 +11,13 @@ import numpy as np
 from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
 from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.results import Step, steps_figure, steps_table
+from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.calling import understood
 from exoid.ground.errors import ExoidError
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, picture
 from exoid.ground.plain import AsJson, by_name
-from exoid.ground.thresholds import Threshold
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, machine_of, model_of, question_of
 from exoid.measurement.signals.methods import BUTTERWORTH
@@ -33,8 +33,6 @@ from exoid.symbolic.wording import added_said
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-WORTH = Threshold(0.002, "relative fall of the unseen error, of the joint that gains most: any column helps a little")
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,10 +192,10 @@ def add(
     numbers = {e.name.removeprefix(prefix): e for e in after.estimates if e.name.startswith(prefix)}
     fall = _fall(waterfall.steps)
     inside = _admissible(extended, after, prefix)
-    helped = fall > WORTH and not inside
+    helped = fall > RULES.negligible and not inside
     kind = "unseen" if verify else "fitted"
     text = f"{sentence_of(term, numbers)}: the {kind} error falls by {100 * fall:.1f} % at the joint that gains most."
-    if fall <= WORTH:
+    if fall <= RULES.negligible:
         text = f"{sentence_of(term, numbers)} does not lower the {kind} error; the model is better without it."
     elif inside:
         text += f" But {inside}: it is not this effect that is missing."

@@ -124,7 +124,7 @@ def _before_any_search(base: FittedModel, rules: Rules, best: Callable[[], float
     """
     if base.prepared.misread:
         return check_channels(base.prepared.misread)
-    outside = intermittent(base)
+    outside = intermittent(base, rules)
     if outside is not None:
         return pushed(outside, base.model.joints)
     doubt = doubts_before(base, rules, best)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import exoid.diagnosis.against
 import exoid.diagnosis.evidence
-import exoid.diagnosis.extend
 import exoid.diagnosis.separation
 import exoid.diagnosis.sureness
 import exoid.diagnosis.watching
@@ -37,8 +35,6 @@ def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
 def every_threshold() -> Iterator[Rule]:
     """Yield all of them, those of a machine that is watched included."""
     yield from thresholds_of_a_diagnosis()
-    yield from thresholds_in(exoid.diagnosis.extend, "an effect that is added by hand")
     yield from thresholds_in(exoid.diagnosis.separation, "the experiment that separates rivals")
-    yield from thresholds_in(exoid.diagnosis.against, "before against after")
     yield from thresholds_in(exoid.optimisation.recursive, "numbers that are followed")
     yield from thresholds_in(exoid.diagnosis.watching, "a machine while it runs")

@@ -30,7 +30,6 @@ from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.question import own_effects
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.calling import understood
-from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import ascending
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -43,14 +42,6 @@ from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
-OLD_ERROR = Threshold(
-    0.05,
-    "share of the loss from which an error that was there all along is reported: trifles listed where nothing changed",
-)
-SCATTER = Threshold(
-    3.0,
-    "standard deviations between recordings made before: what differs between them anyway is named a change",
-)
 STRETCH = 2.0
 """Length in s of the stretches by which the course of a change is told."""
 NONE: Mapping[str, Float] = MappingProxyType({})
@@ -155,7 +146,7 @@ class BeforeAfter:
         least = self.rules.half * changes[0].share if good and changes else 0.0
         scores = _by_share([*changes, *self._old(evidence, [s for s in changes if s.share >= least])])
         if not good:
-            errors = [s for s in scores if s.eligible and _asked(s).always and s.share >= OLD_ERROR]
+            errors = [s for s in scores if s.eligible and _asked(s).always and s.share >= self.rules.worth_telling]
             self.old = tuple(_asked(s).label for s in errors[:1])
             return None
         lead = good[0]
@@ -256,7 +247,7 @@ class BeforeAfter:
         # Relative to the change, which is 1 in these units; a recording that shows little of it scatters more.
         spread = float(np.sqrt(np.average(values[usable] ** 2, weights=power[usable])))
         share = float(np.median(power[usable])) / max(after, 1e-300)
-        return SCATTER * spread * np.sqrt(min(1.0, share) + 1.0 / usable.sum()) < 1.0
+        return self.rules.clear * spread * np.sqrt(min(1.0, share) + 1.0 / usable.sum()) < 1.0
 
     def _written(self, evidence: Evidence, granted: Sequence[_Granted], began: float) -> Differences:
         changes = [g for g in granted if not g.asked.always]

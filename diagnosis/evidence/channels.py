@@ -47,7 +47,7 @@ def doubts_before(
     """
     return (
         _noisy_angles(base, rules)
-        or turned_force(base)
+        or turned_force(base, rules)
         or _untared(base)
         or _driven_by_friction(base)
         or _late(base, rules, explained)
@@ -85,7 +85,7 @@ def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding
     """Return as a warning what makes a model that was only fitted, not searched, no answer; () where nothing does."""
     if fitted.prepared.misread:
         return ()
-    outside = intermittent(fitted)
+    outside = intermittent(fitted, rules)
     if outside is not None:
         return (
             Finding(
@@ -159,7 +159,7 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
         )
         if tau.size and tau.var() > 0.0:
             rest = np.var(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
-            if rest > rules.negligible * tau.var() or np.mean(residual**2) < 0.5 * rest:
+            if rest > rules.negligible * tau.var() or np.mean(residual**2) < rules.half * rest:
                 return None
             left.append(rest / tau.var())
     if not left:
@@ -270,7 +270,7 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     if not known.any():
         return None
     worse = unseen[known] / last.train_rms[known]
-    if worse.max() < rules.near_noise or worse.min() < 2.0:
+    if worse.max() < rules.near_noise or worse.min() < rules.artefact:
         return None
     swapped: Prepared = replace(last.prepared, train=last.prepared.verify, verify=())
     alone = fitted_model(identify(last.model, swapped.train, optimisers=()), swapped)

@@ -22,6 +22,7 @@ from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import sensor_noise
 from exoid.diagnosis.evidence.ranking import weigh_all
 from exoid.diagnosis.evidence.splines import spline_columns
+from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_greatest, index_of_least, least_of
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
@@ -36,26 +37,6 @@ from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
-CLEAR = Threshold(
-    6.0,
-    "times the error of the quiet part, RMS, that three quarters of the other windows have: what is sometimes large "
-    "and sometimes small has no quiet part",
-)
-GROUND = Threshold(
-    3.0,
-    "times that error, RMS, by which a force upwards on the last link moves every joint: what moves one of them alone "
-    "is the machine's",
-)
-BEYOND = Threshold(
-    0.3,
-    "part of it, RMS, that curves and other numbers leave in a recording left out: a stop or a bump would be taken for "
-    "contact",
-)
-ONE_WAY = Threshold(
-    0.75,
-    "part of the time, both kinds alike, in which a foot moves one way while it acts and the other way otherwise, from "
-    "which it is on the ground: a hand or a load would be a foot",
-)
 TIMES = Threshold(3.0, "times that it comes and goes in half of the recordings: a load hung up once")
 ADVICE = (
     "measure it: a force plate or an instrumented treadmill (columns grf_x, grf_z), cuffs with force sensors (f1, f2), "
@@ -67,10 +48,6 @@ WINDOW = 0.1
 """s, of a window."""
 LEAST, SELDOM = 0.1, 0.02
 """Parts of the windows that it must leave free, and that it must act in."""
-WORTH = 5.0
-"""Times the noise that the error is, from which it is asked."""
-QUIET = 5.0
-"""Times the median of the mean squared error of the quiet part, up to which a window belongs to it."""
 FAINT = 1e-3
 """Part of the median error of a window that counts as none: logarithms have no zero."""
 PHASE = 0.7
@@ -138,15 +115,15 @@ class _View:
         return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
 
 
-def intermittent(base: FittedModel) -> Intermittent | None:
+def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
     """Return what acts in part of the time of all recordings; None where nothing does, or a model may describe it: one
     entry of the catalogue that leaves no more than noise acts in part of the time as well, as friction does that some
     angles lack.
     """
     noise = np.maximum(sensor_noise(base.prepared), 1e-6)
-    if not np.any(base.evaluation_rms > WORTH * noise):
+    if not np.any(base.evaluation_rms > rules.near_noise * noise):
         return None
-    found = _intermittent(base)
+    found = _intermittent(base, rules)
     return None if found is None or _one_entry_leaves_noise(base, noise) else found
 
 
@@ -165,13 +142,13 @@ def _one_entry_leaves_noise(base: FittedModel, noise: Float) -> bool:
     return bool(np.all(after.evaluation_rms <= evidence.rules.near_noise * noise))
 
 
-def _intermittent(base: FittedModel) -> Intermittent | None:
+def _intermittent(base: FittedModel, rules: Rules) -> Intermittent | None:
     """Return what acts in part of the time of all recordings, whatever the catalogue says."""
     sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
     views = [_view(base, index, sample) for index in range(len(base.prepared.all))]
     parts = [view.windows() for view in views]
     windows = joined(parts)
-    found = _quiet_part(windows)
+    found = _quiet_part(windows, rules)
     if found is None:
         return None
     x, quiet = found
@@ -187,10 +164,11 @@ def _intermittent(base: FittedModel) -> Intermittent | None:
     rest = [view.tau - view.columns @ x for view in views]
     weight = [(sample * np.sqrt(0.5 * view.one.rate))[:, None] for view in views]
     own = [part * w for part, w in zip(rest, weight, strict=True)]
-    force, foot = _force(base, views, own, acts), _foot(base, views, acts)
-    if not (force or foot) or np.any(_rms(views, rest, acts) < GROUND * np.sqrt(level)):
-        clear = np.quantile(losses[away], 0.25) > CLEAR**2 * level
-        if not clear or not _beyond_curves(views, rest, acts, float(np.sqrt(level))):
+    force, foot = _force(base, views, own, acts), _foot(base, views, acts, rules)
+    far = rules.near_noise * float(np.sqrt(level))
+    if not (force or foot) or np.any(_rms(views, rest, acts) < far):
+        # What is now large and now small has no quiet part: windows are of two kinds where it has.
+        if _of_two_kinds(losses, quiet) < rules.most or not _beyond_curves(views, rest, acts, far, rules):
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
     long = [(end - begin) / view.one.rate for view, each in zip(views, episodes, strict=True) for begin, end in each]
@@ -225,7 +203,7 @@ def _solved(gram: Float, slope: Float) -> Float:
     return np.asarray(np.linalg.lstsq(gram / np.outer(size, size), slope / size, rcond=1e-10)[0] / size)
 
 
-def _quiet_part(windows: Windows) -> tuple[Float, NDArray[np.bool_]] | None:
+def _quiet_part(windows: Windows, rules: Rules) -> tuple[Float, NDArray[np.bool_]] | None:
     """Return the numbers (P,) that explain part of the windows best, and which (M,) they explain; None where these are
     too few, or nearly all.
     """
@@ -233,7 +211,7 @@ def _quiet_part(windows: Windows) -> tuple[Float, NDArray[np.bool_]] | None:
     if best is None:
         return None
     x, quiet = _settled(windows, best.x, _lower)
-    x, quiet = _settled(windows, x, lambda losses: losses <= QUIET * np.median(losses[_lower(losses)]))
+    x, quiet = _settled(windows, x, lambda losses: losses <= rules.robust**2 * np.median(losses[_lower(losses)]))
     return (x, quiet) if LEAST < quiet.mean() < 1.0 - SELDOM else None
 
 
@@ -256,11 +234,24 @@ def _lower(losses: Float) -> NDArray[np.bool_]:
     own mean of logarithms (2-means, which along a line is found exactly). What is hidden in the machine makes the
     error of the quiet part uneven; what pushes is of another size.
     """
-    size = np.log(np.maximum(losses, FAINT * float(np.median(losses)) + 1e-300))
+    size = _logarithms(losses)
     ordered, lower = np.sort(size), np.arange(1, len(size))
     sums = np.cumsum(ordered)
     between = sums[:-1] ** 2 / lower + (sums[-1] - sums[:-1]) ** 2 / (len(size) - lower)
     return np.asarray(size <= ordered[index_of_greatest(between)])
+
+
+def _logarithms(losses: Float) -> Float:
+    return np.asarray(np.log(np.maximum(losses, FAINT * float(np.median(losses)) + 1e-300)))
+
+
+def _of_two_kinds(losses: Float, quiet: NDArray[np.bool_]) -> float:
+    """Return what part of the variance of the logarithms of `losses` (M,) is that between the `quiet` ones and the
+    others.
+    """
+    size = _logarithms(losses)
+    means = np.where(quiet, size[quiet].mean(), size[~quiet].mean())
+    return float(np.var(means) / max(float(np.var(size)), 1e-300))
 
 
 def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -293,9 +284,11 @@ def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
     return [(begin, end) for begin, end in pairs if end is not None and end - begin >= WINDOW * rate]
 
 
-def _beyond_curves(views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], quiet: float) -> bool:
+def _beyond_curves(
+    views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], far: float, rules: Rules
+) -> bool:
     """Whether smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
-    recordings, leave a good part of what acts at any joint, which is far from the error of the `quiet` part.
+    recordings, leave a good part of what acts at any joint, RMS, where that is more than `far`.
     """
     q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
     ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
@@ -315,7 +308,7 @@ def _beyond_curves(views: list[_View], rest: list[Float], acts: list[NDArray[np.
             there = acts[k][view.seen[joint]]
             square, whole = square + float(np.sum(left[there] ** 2)), whole + float(np.sum(own[k][there] ** 2))
             count += int(there.sum())
-        if whole > count * (CLEAR * quiet) ** 2 and square > BEYOND**2 * whole:
+        if whole > count * far**2 and square > rules.unexplained_share**2 * whole:
             return True
     return False
 
@@ -360,7 +353,7 @@ def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int,
     return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
 
 
-def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]]) -> str:
+def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:
     """Return which way a foot on the last link moves while it acts and not otherwise, in words; "" for none."""
     joints = placed_joints(base.model)
     if len(joints) < 2 or not joints[-1].turns:
@@ -379,7 +372,7 @@ def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]]) 
     if not acting.any() or acting.all():
         return ""
     back = 0.5 * (np.mean(speed[acting] < 0.0) + np.mean(speed[~acting] > 0.0))
-    if max(back, 1.0 - back) < ONE_WAY:
+    if max(back, 1.0 - back) < rules.most:
         return ""
     way, other = ("backwards", "forwards") if back > 0.5 else ("forwards", "backwards")
     return f"a foot on the link after the {joints[-1].name} moves {way} while it acts, and {other} otherwise"

@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.ground.thresholds import Threshold
+from exoid.diagnosis.rules import RULES, Rules
 from exoid.optimisation.linear.factor import factorise
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.force import TORQUE, Force
@@ -16,15 +16,6 @@ from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
-
-TURNED = Threshold(
-    -0.5,
-    "gain that the torques want a force to have, from which downwards it is turned round: one that says little",
-)
-WORTH = Threshold(
-    0.2,
-    "part of the squared error that the other gain takes off at least: chance would turn what hardly acts",
-)
 
 
 @dataclass(frozen=True)
@@ -44,12 +35,14 @@ def wanted_gains(base: FittedModel) -> tuple[WantedGain, ...]:
     return tuple(found for force in base.model.forces if (found := _wanted(force, base)) is not None)
 
 
-def turned_force(base: FittedModel) -> Doubt | None:
+def turned_force(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Return which force counts the other way round than its columns say; None where none does."""
     turned = [
         one
         for one in wanted_gains(base)
-        if one.gain + 2.0 * one.deviation < TURNED and one.share > WORTH and one.force.gain is not None
+        if one.gain + rules.robust * one.deviation < -rules.half
+        and one.share > rules.little
+        and one.force.gain is not None
     ]
     if not turned:
         return None

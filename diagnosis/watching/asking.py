@@ -13,13 +13,8 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.watching.memory import TOGETHER
 from exoid.diagnosis.watching.window import Window, joined_windows, prepared
-from exoid.ground.thresholds import Threshold
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.motion import Float
-
-LEAST_SHARE = Threshold(
-    0.02, "least share of the weighted unseen loss that a name explains: a burst resembles something for some seconds"
-)
 
 
 def asked_of(now: FittedModel, before: Sequence[Window], after: Sequence[Window]) -> FittedModel:
@@ -33,5 +28,5 @@ def differences_of(
     asked: FittedModel, seed: int, extra: Sequence[Effect], rules: Rules, most: int, known: Mapping[str, Float]
 ) -> Differences:
     """Return what differs, `most` things at most; `known` {name: numbers} is what differs already."""
-    rules = replace(rules, least_share=LEAST_SHARE)
+    rules = replace(rules, least_share=rules.artefact * rules.least_share)  # a burst resembles something for a while
     return BeforeAfter(asked, seed, tuple(extra), rules, most, known).run(0.0)

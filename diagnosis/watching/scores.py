@@ -11,10 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.diagnosis.evidence.gain import RecordingEvidence, robust_weight
-from exoid.ground.thresholds import Threshold
+from exoid.diagnosis.rules import RULES
 from exoid.symbolic.motion import Float
-
-SHIFT = Threshold(1.0, "s, shortest shift of a placebo: one that is nearly the column itself")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +36,7 @@ def placebos(
 ) -> Float:
     """Return a² / i (draws, C) with its sign, of residuals shifted circularly in time: what chance makes of a block."""
     samples = residual.shape[1]
-    least = min(int(SHIFT * block.rate), samples // 4)
+    least = min(int(RULES.min_shift * block.rate), samples // 4)
     out = []
     for shift in rng.integers(least, samples - least, size=draws):
         found = scores(columns, np.roll(residual, shift, axis=1), np.roll(block.use, shift, axis=1), scale, block)

@@ -9,16 +9,15 @@ import numpy as np
 
 from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.intermittent import TIMES
 from exoid.diagnosis.watching.alarm import Deviation
 from exoid.diagnosis.watching.course import Onset, onset
 from exoid.diagnosis.watching.events import Event, clock
 from exoid.diagnosis.watching.front import FrontEnd
 from exoid.diagnosis.watching.window import Window
-from exoid.ground.thresholds import Threshold
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
-OUTSIDE = Threshold(3.0, "times that an error comes and goes before something outside is suspected: a bump or two")
 SILENT = 5.0
 """s without a sample from which that is said."""
 
@@ -132,7 +131,7 @@ def nameless_event(
         text = f"the error {at} is {grown[joint]:.2g} times what it was, and nothing known explains it"
     nearest = [d.name for d in answer.found]
     text += f"; nearest: {', '.join(nearest)}" if nearest else ""
-    if pushes >= OUTSIDE:
+    if pushes >= TIMES:
         text += f"; it has come and gone {pushes} times: a person, or the ground? Measure it: columns f1, f2, grf_x, "
         text += "grf_z, or contact"
     more = {"rms": answer.rms_after, "joint": joints[joint], "nearest": nearest, "pushes": pushes}

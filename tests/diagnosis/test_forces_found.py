@@ -61,7 +61,6 @@ def fitted(recordings):
     return fitted_model(identify(model, prepared.train, optimisers=()), prepared)
 
 
-@pytest.mark.shows("pushes.TURNED", "pushes.WORTH")
 @pytest.mark.parametrize("turned", ["f1", "f2"])
 def test_a_force_that_is_turned_round_is_doubted_and_no_other(worn, turned):
     assert turned_force(fitted(worn)) is None

@@ -10,6 +10,7 @@ from exoid.diagnosis.discover import discover
 from exoid.diagnosis.evidence import intermittent as module
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
+from exoid.diagnosis.rules import RULES
 from exoid.measurement.auditing import trimmed
 from exoid.measurement.auditing.convention import check_conventions
 from exoid.measurement.bench.simulation import Bench, simulate_runs
@@ -23,6 +24,8 @@ from exoid.symbolic.model import Model
 from tests.walking import on_the_ground, walked
 
 MODEL = Model.standard()
+PREDICTED = replace(RULES, unexplained_share=10.0)
+"""Rules by which curves predict everything."""
 
 
 def fitted(recordings):
@@ -83,7 +86,6 @@ def test_a_third_of_the_time_is_enough_although_the_search_begins_with_more(walk
     assert intermittent(base) is not None
 
 
-@pytest.mark.shows("intermittent.GROUND")
 @pytest.mark.parametrize(("knee", "ground"), [(0.9, False), (1.7, True)])
 def test_what_hardly_moves_one_of_the_joints_is_no_ground(knee, ground, monkeypatch):
     """A push that follows the motion, 30 N·m at the hip; at the knee it is 2.2 and 4 times the error of the rest."""
@@ -97,27 +99,23 @@ def test_what_hardly_moves_one_of_the_joints_is_no_ground(knee, ground, monkeypa
     assert (intermittent(with_torque(bent)) is not None) is ground
 
 
-@pytest.mark.shows("intermittent.BEYOND")
 def test_an_end_stop_is_no_contact(monkeypatch):
     base = with_torque(lambda one, rng: np.column_stack([400.0 * np.maximum(one.q[:, 0] - 0.4, 0.0), 0.0 * one.t]))
     assert intermittent(base) is None
-    monkeypatch.setattr(module, "BEYOND", 0.0)
-    monkeypatch.setattr(module, "CLEAR", 1.0)
-    assert intermittent(base) is None  # one entry of the catalogue leaves no more than noise
+    loose = replace(RULES, unexplained_share=0.0, most=0.0, near_noise=1.0)
+    assert intermittent(base, loose) is None  # one entry of the catalogue leaves no more than noise
     monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda base, noise: False)
-    assert intermittent(base) is not None
+    assert intermittent(base, loose) is not None
 
 
-@pytest.mark.shows("intermittent.CLEAR")
-def test_what_is_now_small_now_large_has_no_quiet_part(monkeypatch):
+def test_what_is_now_small_now_large_has_no_quiet_part():
     def hand(one, rng):
         slow = np.sin(np.outer(one.t, rng.uniform(1.0, 6.0, 5)) + rng.uniform(0.0, 6.0, 5)).sum(axis=1)
         return np.column_stack([slow**3, 0.5 * slow**3])
 
     base = with_torque(hand)
     assert intermittent(base) is None
-    monkeypatch.setattr(module, "CLEAR", 1.0)
-    assert intermittent(base) is not None
+    assert intermittent(base, replace(RULES, most=0.0)) is not None
 
 
 @pytest.mark.shows("intermittent.TIMES")
@@ -146,36 +144,29 @@ def test_a_light_foot_of_the_bench_is_suspected():
 
 def test_contact_is_contact_although_curves_in_the_motion_predict_it(walks, monkeypatch):
     base = fitted(walks)
-    monkeypatch.setattr(module, "BEYOND", 10.0)
-    assert intermittent(base) is not None
+    assert intermittent(base, PREDICTED) is not None
     monkeypatch.setattr(module, "_force", lambda *given: "")
-    assert "foot" in intermittent(base).foot
+    assert "foot" in intermittent(base, PREDICTED).foot
     monkeypatch.setattr(module, "_foot", lambda *given: "")
-    assert intermittent(base) is None
+    assert intermittent(base, PREDICTED) is None
 
 
-@pytest.mark.shows("intermittent.ONE_WAY")
 @pytest.mark.parametrize(("late", "ground"), [(0.0, True), (0.25, False)])
-def test_what_acts_while_the_foot_moves_one_way_is_the_ground_whichever_way_it_pushes(late, ground, monkeypatch):
+def test_what_acts_while_the_foot_moves_one_way_is_the_ground_whichever_way_it_pushes(late, ground):
     """As on a person's leg, whose foot reaches beyond the link: torques change their signs in stance. Between steps, a
     quarter of a second late, it is no foot.
     """
-    monkeypatch.setattr(module, "BEYOND", 10.0)  # however well the motion predicts it
-
     def stance(one, rng):
         size = np.hypot(*walked(int(one.name[-1]))[1].T)[:, None]
         turning = np.column_stack([np.sin(3.0 * one.t), np.cos(3.0 * one.t)])
         return np.roll(size * turning, round(late * one.rate), axis=0)
 
     base = with_torque(stance)
-    found = intermittent(base)
+    found = intermittent(base, PREDICTED)
     assert (found is not None) is ground
     if ground:
         assert not found.force and "backwards while it acts" in found.foot
-        monkeypatch.setattr(module, "ONE_WAY", 1.0)
-    else:
-        monkeypatch.setattr(module, "ONE_WAY", 0.5)
-    assert (intermittent(base) is None) is ground
+    assert (intermittent(base, replace(PREDICTED, most=1.0 if ground else 0.5)) is None) is ground
 
 
 def test_soft_ground_at_a_height_is_contact_although_it_is_a_function_of_the_angles():

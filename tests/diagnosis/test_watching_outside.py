@@ -212,7 +212,6 @@ def test_pushes_without_number_are_told_as_one_and_taken_back_where_they_do_not_
     assert own.since(100.0) == 200
 
 
-@pytest.mark.shows("wording.OUTSIDE")
 def test_an_error_that_comes_and_goes_is_suspected_to_be_a_person_or_the_ground(monkeypatch) -> None:
     answer = SimpleNamespace(found=(), rms_after=(1.0, 2.0))
     monkeypatch.setattr(wording, "replace", lambda one, **changes: one)

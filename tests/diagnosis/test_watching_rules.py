@@ -12,16 +12,15 @@ import pytest
 from exoid.diagnosis.against import differences
 from exoid.diagnosis.against.differences import BeforeAfter
 from exoid.diagnosis.against.result import Course, Differences
-from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.separation.result import Separation
-from exoid.diagnosis.watching import asking, course, front
+from exoid.diagnosis.watching import course, front
 from exoid.diagnosis.watching.alarm import Detector, Deviation, Pending
 from exoid.diagnosis.watching.course import onset
 from exoid.diagnosis.watching.front import FrontEnd, Samples
 from exoid.diagnosis.watching.memory import Memory
 from exoid.diagnosis.watching.pushes import Pushes
-from exoid.diagnosis.watching.scores import Scores, placebos
+from exoid.diagnosis.watching.scores import Scores
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.usual import Usual
 from exoid.diagnosis.watching.watcher import Watcher
@@ -166,20 +165,6 @@ def test_rest_is_not_taken_for_change(power: float, looked_at: bool) -> None:
     assert detector.take(Scores(np.full(1, 9.0 * power), np.full(1, power))).alarms is looked_at
 
 
-@pytest.mark.shows("scores.SHIFT")
-def test_no_placebo_of_a_block_is_nearly_the_column() -> None:
-    class Draws:
-        def integers(self, low: int, high: int, size: int) -> np.ndarray:
-            self.range = low, high
-            return np.full(size, low)
-
-    draws, use = Draws(), np.ones((1, 100), bool)
-    units, ones = np.zeros(100), np.ones((1, 100))
-    block = RecordingEvidence(ones[:, :, None], ones, use, use.T, 10.0, units, lambda _: np.zeros(1, int))
-    placebos(np.ones((1, 1, 100)), np.ones((1, 100)), block, np.ones(1), 3, draws)
-    assert draws.range == (10, 90)
-
-
 @pytest.mark.shows("estimator.LEAST_BLOCKS")
 @pytest.mark.parametrize(("blocks", "known"), [(3, False), (4, True)])
 def test_the_scatter_of_three_blocks_is_no_interval(blocks: int, known: bool) -> None:
@@ -188,7 +173,6 @@ def test_the_scatter_of_three_blocks_is_no_interval(blocks: int, known: bool) ->
     assert bool(np.isfinite(one.estimates()[0].high)) is known
 
 
-@pytest.mark.shows("differences.OLD_ERROR")
 @pytest.mark.parametrize(("share", "said"), [(0.035, ()), (0.07, ("stribeck:hip",))])
 def test_an_error_that_was_there_all_along_is_said_where_it_matters(share, said, monkeypatch) -> None:
     asked = SimpleNamespace(always=True, label="stribeck:hip")
@@ -201,8 +185,7 @@ def test_an_error_that_was_there_all_along_is_said_where_it_matters(share, said,
     assert one.old == said
 
 
-@pytest.mark.shows("differences.SCATTER")
-@pytest.mark.parametrize(("scatter", "change"), [(0.2, True), (0.4, False)])
+@pytest.mark.parametrize(("scatter", "change"), [(0.2, True), (0.5, False)])
 def test_what_differs_between_recordings_made_before_is_no_change(scatter, change, monkeypatch) -> None:
     """Four recordings before scatter by this part of what differs in the one after; all show as much of it."""
     weights = [np.ones((1, 1))] * 5
@@ -210,7 +193,7 @@ def test_what_differs_between_recordings_made_before_is_no_change(scatter, chang
         weights=weights, solve=lambda: np.ones(1), left=lambda k, step: np.full((1, 1), scatter * (-1.0) ** k)
     )
     monkeypatch.setattr(differences, "CommonFit", lambda evidence, columns: system)
-    one = SimpleNamespace(before=4, _in_every_recording=lambda found: [np.ones((1, 1, 1))] * 5)
+    one = SimpleNamespace(rules=RULES, before=4, _in_every_recording=lambda found: [np.ones((1, 1, 1))] * 5)
     found = SimpleNamespace(columns=[np.ones((1, 1, 1))])
     assert bool(BeforeAfter._exceeds_scatter(one, None, found)) is change
 
@@ -261,16 +244,6 @@ def test_what_no_longer_stands_out_when_it_is_asked_about_again_was_a_burst(alar
     events = Watcher._alarm(one, one.pending) if one.pending else []
     assert (one.pending is not None) is alarms
     assert [event.more["state"] for event in events] == ([] if alarms else ["over"])
-
-
-@pytest.mark.shows("asking.LEAST_SHARE")
-def test_a_name_explains_a_fiftieth_of_the_error(monkeypatch) -> None:
-    asked = []
-    nothing = SimpleNamespace(run=lambda began: None)
-    monkeypatch.setattr(asking, "BeforeAfter", lambda *given: asked.append(given) or nothing)
-    asking.differences_of(None, 0, (), RULES, 1, {})
-    assert asked[-1][3].least_share == 0.02
-
 
 
 @pytest.mark.shows("result.ENOUGH")

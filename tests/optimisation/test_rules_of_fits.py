@@ -214,7 +214,6 @@ def test_a_joint_has_a_drive_where_its_torque_varies_more_than_noise(wave, bears
     assert _reads_nothing(even, 5.0).tolist() == [False, not bears]
 
 
-@pytest.mark.shows("extend.WORTH")
 @pytest.mark.parametrize(("fall", "helped"), [(0.0015, False), (0.003, True)])
 def test_an_effect_added_by_hand_helps_where_the_error_falls(fall, helped, monkeypatch):
     term = SimpleNamespace(name="stribeck:hip", may_move=False)
