@@ -168,7 +168,8 @@ def _intermittent(base: FittedModel, rules: Rules) -> Intermittent | None:
     far = rules.near_noise * float(np.sqrt(level))
     if not (force or foot) or np.any(_rms(views, rest, acts) < far):
         # What is now large and now small has no quiet part: windows are of two kinds where it has.
-        if _of_two_kinds(losses, quiet) < rules.most or not _beyond_curves(views, rest, acts, far, rules):
+        plain = all(episodes) and _of_two_kinds(losses, quiet) >= rules.most
+        if not plain or not _beyond_curves(views, rest, acts, rules.artefact * far, rules):
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
     long = [(end - begin) / view.one.rate for view, each in zip(views, episodes, strict=True) for begin, end in each]
