@@ -167,8 +167,10 @@ def _intermittent(base: FittedModel, rules: Rules) -> Intermittent | None:
     force, foot = _force(base, views, own, acts), _foot(base, views, acts, rules)
     far = rules.near_noise * float(np.sqrt(level))
     if not (force or foot) or np.any(_rms(views, rest, acts) < far):
-        # What is now large and now small has no quiet part: windows are of two kinds where it has.
-        plain = all(episodes) and _of_two_kinds(losses, quiet) >= rules.most
+        # What is now large and now small has no quiet part: windows are of two kinds where it has, and three quarters
+        # of the other kind are far from it.
+        far_away = np.quantile(losses[away], 0.25) > far**2
+        plain = far_away and all(episodes) and _of_two_kinds(losses, quiet) >= rules.most
         if not plain or not _beyond_curves(views, rest, acts, rules.artefact * far, rules):
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
