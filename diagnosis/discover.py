@@ -10,7 +10,7 @@ from typing import Unpack
 import numpy as np
 
 from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.apart import OTHERS, apart, still_apart, why_apart
+from exoid.diagnosis.evidence.apart import OTHERS, apart, explained_alone, still_apart, why_apart
 from exoid.diagnosis.evidence.channels import doubts_after
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.own_sway import own_sway
@@ -92,9 +92,14 @@ def answer_of(
     if odd and of_others.accepted:
         return _without(of_others, base, odd)
     whole = _answer(question, base, recordings, verify, _part(tick, 0.5, 1.0), found, began)
+    if not odd or whole.accepted or of_others.verdict != "adequate":
+        return whole
+    # An effect that these alone show is one of the machine, unless numbers of their own explain far more.
     nearest = max((one.explained_share for one in whole.possible), default=0.0)
-    if not odd or whole.accepted or of_others.verdict != "adequate" or nearest > question.rules.worth_telling:
-        return whole  # an effect that these alone show is one of the machine
+    if nearest > question.rules.worth_telling and nearest >= question.rules.half * explained_alone(
+        base, of_others.fit, odd
+    ):
+        return whole
     return _without(of_others, base, odd)
 
 

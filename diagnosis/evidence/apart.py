@@ -86,17 +86,37 @@ def _why(base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, e
     read = next((f for f in base.prepared.misread if _is_of(f, one.name)), None)
     if read is not None:
         return Apart(one.name, f"{text}; {read.what} ({read.remedy})")
-    try:
-        alone = identify(found.model, (one,), optimisers=())
-    except NotEnoughDataError:
+    own = _alone(base, found, one)
+    if own is None:
         return Apart(one.name, text)
-    own = _shares(fitted_model(alone, replace(base.prepared, train=(one,), verify=())))[0]
-    if np.nansum(own) > RULES.little * np.nansum(shares):
+    alone, left = own
+    if left > RULES.little * np.nansum(shares):
         return Apart(one.name, f"{text}, and fitted alone it is not explained either: look at its columns and sensors")
     moved = ", ".join(moved_numbers(found, alone)[:4])
     numbers = f" ({moved})" if moved else ""
     text += f", and fitted alone it is explained, with numbers of its own{numbers}"
     return Apart(one.name, f"{text}: another machine, a load (--payload) or gain of a sensor")
+
+
+def explained_alone(base: FittedModel, found: Fit, odd: Sequence[int]) -> float:
+    """Return what part of what a model found for the others leaves of the recordings `odd` is explained by numbers of
+    their own, of the one of which that is least.
+    """
+    left = [float(np.nansum(one)) for one in _left_by(base, found, odd)[-len(odd) :]]
+    own = [_alone(base, found, base.prepared.all[k]) for k in odd]
+    return min(0.0 if one is None else 1.0 - one[1] / whole for one, whole in zip(own, left, strict=True))
+
+
+def _alone(base: FittedModel, found: Fit, one: PreparedRecording) -> tuple[Fit, float] | None:
+    """Return a fit of the model found to one recording alone, and what it leaves of its torques, in parts of their
+    usual variance, all joints together; None where one is not enough.
+    """
+    try:
+        alone = identify(found.model, (one,), optimisers=())
+    except NotEnoughDataError:
+        return None
+    fitted = fitted_model(alone, replace(base.prepared, train=(one,), verify=()))
+    return alone, float(np.nansum(_shares(fitted)[0]))
 
 
 def moved_numbers(first: Fit, second: Fit) -> list[str]:

@@ -92,7 +92,7 @@ class _Without:
         columns = [context.columns_of(as_fitted(score, state.last), without.fitted) for score in scores]
         numbers = sum(score.candidate.numbers for score in scores)
         both = stacked(columns, len(evidence.sigma))
-        return cls(tuple(score.name for score in scores), without, evidence, both, numbers)
+        return cls(tuple(score.name for score in scores), without, evidence, tuple(both), numbers)
 
     @property
     def share(self) -> float:
