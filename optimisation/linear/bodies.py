@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exoid.optimisation.linear.interior import nearest_inside
 from exoid.optimisation.linear.links import EXACT, nearest_matrices
 from exoid.symbolic.joints import HERE
 from exoid.symbolic.mechanics.spatial import AT, KINDS, MOMENTS, about_joint
@@ -53,9 +54,13 @@ def body_of(numbers: Float) -> Body3D:
     return Body3D(mass, c, tensor - mass * (c @ c * np.eye(3) - np.outer(c, c)))
 
 
-def nearest_bodies(model: Model, phi: Float, near: Sequence[Body3D] | None = None) -> tuple[Body3D, ...] | None:
+def nearest_bodies(
+    model: Model, phi: Float, near: Sequence[Body3D] | None = None, *, patient: bool = False
+) -> tuple[Body3D, ...] | None:
     """Return bodies (J,) of a spatial `model` that have the base parameters `phi` (P,), nearest to `near` (default:
     usual ones); None where no bodies of positive mass have them.
+
+    `patient` finds, within a second or so, also those that have hardly any room, as at the edge of what is possible.
     """
     count, rows = len(model.joints), model.mixture.reshape(len(model.inertial), -1)
     known = _usual(model, phi) if near is None else tuple(near)
@@ -65,10 +70,14 @@ def nearest_bodies(model: Model, phi: Float, near: Sequence[Body3D] | None = Non
     scale = unit[:, :, None] * unit[:, None, :]
     weights = np.einsum("pkn,nij->pkij", model.mixture, _WEIGHTS) * scale
     size = np.maximum(np.abs(weights).max(axis=(1, 2, 3)), np.abs(phi))
-    found = nearest_matrices(before / scale, weights / size[:, None, None, None], phi / size)
+    asked = before / scale, weights / size[:, None, None, None], phi / size
+    nearest = nearest_matrices(*asked)
+    found = None if nearest is None else nearest.real
+    if found is None and patient:
+        found = nearest_inside(*asked)
     if found is None:
         return None
-    numbers = np.einsum("kij,nij->kn", found.real * scale, _WEIGHTS)
+    numbers = np.einsum("kij,nij->kn", found * scale, _WEIGHTS)
     units = np.maximum(np.abs(np.einsum("kij,nij->kn", scale, np.abs(_WEIGHTS))), 1e-300)
     wide = rows * units.ravel()
     numbers = numbers - (units.ravel() * (np.linalg.pinv(wide) @ (rows @ numbers.ravel() - phi))).reshape(count, -1)
@@ -80,14 +89,18 @@ def nearest_bodies(model: Model, phi: Float, near: Sequence[Body3D] | None = Non
 
 def _usual(model: Model, phi: Float) -> tuple[Body3D, ...]:
     """Return round bodies as long as the way to the next joint, as heavy as the base parameters suggest."""
-    places = [np.array((joint.origin or HERE).xyz) for joint in model.joints]
-    long = [float(np.linalg.norm(place)) for place in places[1:]]
-    length = max(USUAL, float(np.mean(long))) if long else USUAL
     power = {"kg": 0, "kg·m": 1, "kg·m²": 2}
+    length = gyration(model) / THICK
     sizes = [abs(value) / length ** power[p.unit] for value, p in zip(phi, model.inertial, strict=True)]
     mass = max(sizes, default=1.0) or 1.0
-    body = Body3D(mass, np.zeros(3), mass * (THICK * length) ** 2 * np.eye(3))
+    body = Body3D(mass, np.zeros(3), mass * gyration(model) ** 2 * np.eye(3))
     return (body,) * len(model.joints)
+
+
+def gyration(model: Model) -> float:
+    """Return the radius of gyration, m, of a usual link of a spatial machine about each of its axes."""
+    long = [float(np.linalg.norm((joint.origin or HERE).xyz)) for joint in model.joints[1:]]
+    return THICK * (max(USUAL, float(np.mean(long))) if long else USUAL)
 
 
 def _weights() -> Float:

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from exoid.ground.errors import EffectError
 from exoid.measurement.bench.simulation import simulate
 from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
-from exoid.optimisation.linear.physical import physics
 from exoid.symbolic.mechanics.payload import Payload, PayloadError
 from exoid.symbolic.model_file import Numbers, read_model, write_model
 from exoid.symbolic.robot_file import parse_robot
@@ -108,8 +106,6 @@ def test_bodies_that_are_known_stay_as_they_are():
 
 def test_what_is_planar_alone_is_refused_in_words():
     model, _ = identified()
-    with pytest.raises(EffectError, match="this one is spatial"):
-        physics(model)
     with pytest.raises(PayloadError, match="spatial machine"):
         Payload(1.0, 0.2, "j1").added(model)
 
