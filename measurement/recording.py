@@ -21,7 +21,7 @@ from exoid.ground.html import bullets, lines, table
 from exoid.measurement.finding import Finding
 from exoid.measurement.plots import angles_and_torques
 from exoid.measurement.signals.spikes import spikes
-from exoid.symbolic.joints import LEG, UNNAMED, Joint, names
+from exoid.symbolic.joints import LEG, UNNAMED, Joint, Vector, names
 from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.motion import Float, read_only
 
@@ -168,9 +168,10 @@ class Recording:
             vars(other)["spikes"] = self.spikes  # found once: its torques are the same
         return other
 
-    def with_payload(self, mass: float, along: float, link: str = "shank") -> Recording:
+    def with_payload(self, mass: float, along: float | Vector, link: str = "shank") -> Recording:
         """Return the same recording, made with a known `mass` kg on the leg, `along` m below the knee (or the hip, for
-        `link` "thigh"). PayloadError where such a mass cannot be.
+        `link` "thigh"; of an arm in space at `along` (3,) m in the frame of the joint `link`). PayloadError where such
+        a mass cannot be.
         """
         return replace(self, payloads=(*self.payloads, Payload(mass, along, link)))
 

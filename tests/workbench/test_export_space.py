@@ -5,7 +5,6 @@ import pytest
 
 from exoid.measurement.bench.simulation import simulate
 from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
-from exoid.symbolic.mechanics.payload import Payload, PayloadError
 from exoid.symbolic.model_file import Numbers, read_model, write_model
 from exoid.symbolic.robot_file import parse_robot
 from exoid.symbolic.spatial_machine import spatial_machine
@@ -102,12 +101,6 @@ def test_bodies_that_are_known_stay_as_they_are():
     phi = np.array([given.linear[p.name] for p in model.inertial])
     for one, other in zip(nearest_bodies(model, phi, known), known, strict=True):
         np.testing.assert_allclose(one.numbers, other.numbers, rtol=1e-6, atol=1e-9)
-
-
-def test_what_is_planar_alone_is_refused_in_words():
-    model, _ = identified()
-    with pytest.raises(PayloadError, match="spatial machine"):
-        Payload(1.0, 0.2, "j1").added(model)
 
 
 def test_the_bench_moves_an_arm():
