@@ -142,12 +142,12 @@ def _force_checks(model: Model) -> tuple[Check, ...]:
     swaying = STILL if base is None else BaseMotion(*base.T)
     found = []
     for force in model.forces:
-        at = 0.3 if force.at is None else force.at
+        at = 0.3 if force.at is None and not force.in_space else force.at
         alone = model.base().with_forces(replace(force, at=at, gain=1.0, sign=1))
         pushed = rng.normal(size=(STATES, len(force.columns)))
         motion = Motion(np.arange(float(STATES)), q, still, still, still, base=base, force=pushed)
         torque = compiled(alone).pointwise(motion, np.zeros(len(alone.parameters)), np.zeros(0))[:, :, -1].T
-        wanted = pushed_torques(joints, q, force, at, pushed, swaying)
+        wanted = pushed_torques(joints, q, force, 0.0 if isinstance(at, tuple) else at or 0.0, pushed, swaying)
         size = float(np.max(np.abs(wanted), initial=0.0))
         detail = f"Newton and Euler ask the drives for the same as the virtual work of {force.name}"
         found.append(_close("measured forces", torque - wanted, size, detail))

@@ -149,7 +149,6 @@ class Model(Telling):
         """Refuse what a spatial machine cannot have yet."""
         for there, what, key in (
             (self.moving_base, "a base whose motion is measured", "[base]"),
-            (bool(self.forces), "measured forces", "[[forces]]"),
             (self.wearer is not None, "a wearer", "[wearer]"),
         ):
             if there:

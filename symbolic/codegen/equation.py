@@ -28,7 +28,7 @@ from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, point
 from exoid.symbolic.mechanics.rigid import changed, leg_columns, symbols_of
 from exoid.symbolic.mechanics.spatial import end_point
 from exoid.symbolic.mechanics.tree import offset_changes, tree_changes
-from exoid.symbolic.mechanics.virtual_work import force_torques
+from exoid.symbolic.mechanics.virtual_work import force_torques, space_force_torques
 
 if TYPE_CHECKING:
     from exoid.symbolic.model import Model
@@ -106,6 +106,7 @@ class _Builder:
         self.numbers = {p.name: self.linear[k] for k, p in enumerate(model.parameters)}
         self.numbers |= {s.name: self.shape[k] for k, s in enumerate(model.shapes)}
         self.place = {p.name: k for k, p in enumerate(model.parameters)}
+        self.turned: list[Any] = []
         self.inputs: list[Any] = []
         self.memories: list[MemorySignal] = []
         self.columns: list[tuple[int, int, Any]] = []
@@ -170,12 +171,17 @@ class _Builder:
         known: list[Any] = [self.ca.SX(0)] * self.count
         names, first = force_names(len(model.channels)), 0
         for force in model.forces:
-            own = [real(name) for name in names[first : first + len(force.columns)]]
-            first += len(own)
+            called = names[first : first + len(force.columns)]
+            first += len(called)
             index = force.index(model.joints)
-            parts = [casadi_from_sympy(part, symbols) for part in force_torques(mechanism, force, index, own)]
+            if force.in_space:
+                torques = space_force_torques(model.joints, self.turned, force, [self.state[one] for one in called])
+                parts = [torques, [self.ca.SX(0)] * self.count]
+            else:
+                own = [real(name) for name in called]
+                parts = [casadi_from_sympy(part, symbols) for part in force_torques(mechanism, force, index, own)]
             for joint, (origin, along) in enumerate(zip(*parts, strict=True)):
-                at, gain = force.at, force.gain
+                at, gain = (None if isinstance(force.at, tuple) else force.at), force.gain
                 origin, along = force.sign * origin, force.sign * along
                 weights = {
                     f"{force.name}.at": (gain or 0.0) * along,
@@ -250,6 +256,7 @@ class _Builder:
             offset = casadi_from_sympy(offset_changes(mechanism), symbols)
             q = [angle + more for angle, more in zip(q, offset, strict=True)]
             added = casadi_from_sympy([*torques_added], symbols)
+        self.turned = q
         columns, rigid = spatial_columns(model, q, dq, ddq, self.linear)
         first = len(self.columns)
         for p, column in enumerate(columns):

@@ -97,6 +97,34 @@ def joint_torques(
     return torques
 
 
+def wrench_torques(
+    joints: Sequence[Joint], q: Sequence[Any], link: int, place: Vector, turned: Origin | None, wrench: Sequence[Any],
+    lib: Any,
+) -> list[Any]:  # fmt: skip
+    """Return what a force (3,), or a force and a moment (6,), on a `link` at `place` (3,) m in its frame asks of the
+    drives (J,), joint by joint down to the base.
+
+    Its parts are along the axes of a sensor that is `turned` in the link's frame, None: along those of the base.
+    """
+    force: Triple = (wrench[0], wrench[1], wrench[2])
+    moment: Triple = (wrench[3], wrench[4], wrench[5]) if len(wrench) == 6 else (0.0, 0.0, 0.0)
+    if turned is None:
+        rows = joint_frames(joints, q, lib)[link][0]
+        force, moment = _back(rows, force), _back(rows, moment)
+    else:
+        force, moment = _times(rotation(turned), force), _times(rotation(turned), moment)
+    moment = _add(moment, _cross(place, force))
+    above, torques = parents(joints), [0.0 * q[0]] * len(joints)
+    k: int | None = link
+    while k is not None:
+        torques[k] = -_dot(_axis(joints[k]), moment if joints[k].turns else force)
+        rows, origin = _step(joints[k], q[k], lib)
+        force, moment = _times(rows, force), _times(rows, moment)
+        moment = _add(moment, _cross(origin, force))
+        k = above[k]
+    return torques
+
+
 def joint_frames(joints: Sequence[Joint], q: Sequence[Any], lib: Any) -> list[tuple[Rows, Triple]]:
     """Return how every joint's frame is turned, and where its origin is in m, in the frame of the base (J,)."""
     found: list[tuple[Rows, Triple]] = []

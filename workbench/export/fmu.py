@@ -14,6 +14,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 from exoid.ground.errors import ExoidError
+from exoid.measurement.recording import force_unit
 from exoid.symbolic.joints import Joint
 from exoid.workbench.export import c
 from exoid.workbench.fmu import INPUT, OUTPUT, RATE, STATE, VERSIONS, FmuModel, FmuVariable, fmu_bytes
@@ -141,7 +142,9 @@ def _signals(quantity: str, role: str, joints: Sequence[Joint]) -> list[FmuVaria
 def _outside(ready: Ready) -> list[FmuVariable]:
     """Return what comes from outside: the motion of the base, measured forces."""
     found = [FmuVariable(name, INPUT, unit, "motion of the base") for name, unit in BASE if ready.model.moving_base]
-    return found + [FmuVariable(f"force.{one}", INPUT, "N", "measured, on the machine") for one in ready.model.channels]
+    return found + [
+        FmuVariable(f"force.{one}", INPUT, force_unit(one), "measured, on the machine") for one in ready.model.channels
+    ]
 
 
 def _places(variables: Sequence[FmuVariable]) -> Callable[[str], int]:
