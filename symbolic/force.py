@@ -139,7 +139,7 @@ class Force:
             meant = "three are a force, six a force and a moment" if spatial else "one is normal to the link"
             here = "a plane" if spatial else "space"
             raise EffectError(
-                f"{len(self.columns)} columns in the frame {self.frame!r} are a force in {here}, and the machine is not",
+                f"{len(self.columns)} columns in the frame {self.frame!r} are a force in {here}, the machine is not",
                 where=self.name,
                 remedy=f"use {frames}; of columns {meant}",
             )
