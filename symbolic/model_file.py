@@ -291,10 +291,6 @@ def _machine(top: Table) -> Model:
     name = top.text("name", "unnamed machine")
     if pull and not is_spatial(joints):
         raise top.error("gravity", "gravity is a vector, and no joint has an axis", "give a number, m/s² downwards")
-    if moving and is_spatial(joints):
-        raise top.child("base", top.values["base"]).error(
-            "motion", "the base of a machine whose joints have axes cannot be measured yet", "leave [base] out"
-        )
     if gravity > 0.0 and not moving and is_leg(joints):
         known = {joint: limits.get(joint, UNLIMITED).filled(usual) for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)

@@ -107,7 +107,7 @@ def force_alone(model: Model, one: PreparedRecording, force: Force, at: float, g
     motion, first = one.motion, model.channels.index(force.columns[0])
     assert motion.force is not None  # `prepare` refuses recordings without
     signals = force.sign * gain * motion.force[:, first : first + len(force.columns)]
-    base = STILL if motion.base is None else BaseMotion(*motion.base.T)
+    base = STILL if motion.base is None or model.spatial else BaseMotion(*motion.base.T)
     return one.smooth(pushed_torques(placed_joints(model), motion.q, force, at, signals, base))
 
 

@@ -33,6 +33,8 @@ ENDED, SHORTER, BARELY = 1e-10, 0.1, 0.5
 was less than half."""
 BENT = 1e-2
 """μ, of that with which it begins, from which on the loss is Huber's; before, it is the sum of squares."""
+APART = 1e-4
+"""Least product of a distance and its multiplier, of that on the path: below, it is rounding."""
 SHARE = 0.99
 """Of the way to the nearest condition, the farthest step."""
 
@@ -101,9 +103,12 @@ class _Duals:
         self._scalings = []
         for one, dual in zip(self.region.inequalities, self.matrices, strict=True):
             primal = np.linalg.cholesky(one.matrix(x))
-            _, size, right = np.linalg.svd(np.linalg.cholesky(dual).T @ primal)
-            root = np.sqrt(size)[:, None] * (right @ np.linalg.inv(primal))
-            self._scalings.append(root.T @ root)
+            back = np.linalg.inv(primal)
+            # Together they are near one, where each alone is too close to singular to be factorised.
+            size, axes = np.linalg.eigh(primal.T @ dual @ primal)
+            size = np.maximum(size, APART)
+            root = np.sqrt(np.sqrt(size))[:, None] * (axes.T @ back)
+            self._scalings.append((root.T @ root, primal @ axes / np.sqrt(size)))
             found.append(np.einsum("ai,ijq,bj->abq", root, one.entries, root).reshape(-1, x.size))
         return np.concatenate(found)
 
@@ -113,10 +118,9 @@ class _Duals:
         room = rows @ x + ends
         lines = 1.0 / room - self.lines - self.lines / room * (rows @ step)
         length, changes = min(_most(self.region.rates(x, step)), _most(lines / self.lines)), []
-        for one, dual, scaling in zip(self.region.inequalities, self.matrices, self._scalings, strict=True):
+        for one, dual, (scaling, root) in zip(self.region.inequalities, self.matrices, self._scalings, strict=True):
             changes.append(np.linalg.inv(one.matrix(x)) - dual - scaling @ (one.entries @ step) @ scaling)
-            root = np.linalg.inv(np.linalg.cholesky(dual))
-            length = min(length, _most(np.linalg.eigvalsh(root @ changes[-1] @ root.T)))
+            length = min(length, _most(np.linalg.eigvalsh(root.T @ changes[-1] @ root)))
         self.lines = self.lines + length * lines
         moved = [dual + length * change for dual, change in zip(self.matrices, changes, strict=True)]
         self.matrices = [0.5 * (one + one.T) for one in moved]
@@ -157,7 +161,10 @@ def least_loss(data: LinearData, delta: Float, lead: Float, region: Region) -> F
         end, mu = GAP * share, min(mu, share)
         # Far from the best fit few samples are within their thresholds, and say nothing about the others.
         limit = last if mu <= BENT * share else np.full(last.size, np.inf)
-        pulled, curved = region.slope(x), duals.curvature(x)
+        try:
+            pulled, curved = region.slope(x), duals.curvature(x)
+        except np.linalg.LinAlgError:  # as near to a condition as rounding lets it come
+            break
         slope = -2.0 / size * (basis.T @ np.clip(residual, -limit, limit))
         outer = basis[np.abs(residual) > limit]
         step = _newton(forward, slope, (2.0 / size) * (np.eye(basis.shape[1]) - outer.T @ outer), pulled, curved, mu)

@@ -277,7 +277,7 @@ def _lift(model: Model, names: tuple[str, ...], low: Float, high: Float) -> Lift
 def _energy(model: Model) -> Float:
     """Return twice the kinetic energy per parameter (P,), on average over random postures and rates."""
     count, bare = len(model.joints), model.unpushed.base()
-    base = np.zeros((STATES, 5)) if model.moving_base else None
+    base = np.zeros((STATES, len(model.base_state))) if model.moving_base else None
     q, rate = np.random.default_rng(0).uniform(-np.pi, np.pi, (2, STATES, count))
     still = 0.0 * q
     times = 0.01 * np.arange(STATES, dtype=float)

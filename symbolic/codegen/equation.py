@@ -50,8 +50,8 @@ class MemorySignal:
 class Expressions:
     """A model in CasADi SX.
 
-    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `base_motion` (5, or 0 where it stands), `force` (C,), `linear` (P,),
-    `shape` (S,), `memory` (K,). `columns` holds
+    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `base_motion` (5, 12 in space, or 0 where it stands), `force` (C,),
+    `linear` (P,), `shape` (S,), `memory` (K,). `columns` holds
     (joint, parameter, expression) of every entry of the regressor that is not zero everywhere; `linear`
     serves there as reference, and P stands for what measured forces make without a number. `rigid`, `base`
     (rigid, friction and measured forces) and `torque` (all) are torques (J,) in N·m, `terms` the torque (J,) of each
@@ -115,7 +115,7 @@ class _Builder:
         self.longest = LONGEST_SYMBOLIC if symbols is None else len(model.joints)
 
     def _state_names(self) -> tuple[str, ...]:
-        return state_names(self.count, self.model.moving_base, len(self.model.channels))
+        return state_names(self.count, self.model.base_state, len(self.model.channels))
 
     def expressions(self) -> Expressions:
         ca = self.ca
@@ -257,7 +257,9 @@ class _Builder:
             q = [angle + more for angle, more in zip(q, offset, strict=True)]
             added = casadi_from_sympy([*torques_added], symbols)
         self.turned = q
-        columns, rigid = spatial_columns(model, q, dq, ddq, self.linear)
+        columns, rigid = spatial_columns(
+            model, q, dq, ddq, self.linear, [self.state[name] for name in model.base_state]
+        )
         first = len(self.columns)
         for p, column in enumerate(columns):
             rest = [self._without(entry, own) for entry in column]
@@ -350,7 +352,7 @@ class _Builder:
             dq=dq,
             ddq=ddq,
             sign=sign,
-            base_motion=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in BASE_STATE if n in self.state)),
+            base_motion=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in self.model.base_state)),
             force=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in force_names(len(self.model.channels)))),
             linear=self.linear,
             shape=self.shape,
