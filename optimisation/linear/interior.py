@@ -26,8 +26,8 @@ GAP = 1e-11
 """Relative to the least loss, what is left when it ends."""
 PERFECT = 1e-12
 """Loss relative to that of no model at all, below which there is nothing to fit."""
-STEPS = 300
-"""Steps of Newton's method in all; fifty are usual."""
+STEPS = 1000
+"""Steps of Newton's method in all; a hundred are usual, several where links all but vanish."""
 ENDED, SHORTER, BARELY = 1e-10, 0.1, 0.5
 """What a step would gain, in units of μ, where it ends; how much shorter μ becomes, and how much where the step before
 was less than half."""
