@@ -25,6 +25,8 @@ from exoid.symbolic.motion import Float
 
 USUAL = 0.15
 """m that links measure where nothing says how long they are."""
+SHARES = (1.0, 0.1, 10.0)
+"""How heavy bodies are from which those at the edge of what is possible are looked for, of the known ones."""
 THICK = 0.4
 """Radius of gyration of a usual body about each axis, of its length."""
 
@@ -60,9 +62,9 @@ def nearest_bodies(
     """Return bodies (J,) of a spatial `model` that have the base parameters `phi` (P,), nearest to `near` (default:
     usual ones); None where no bodies of positive mass have them.
 
-    `patient` finds, within a second or so, also those that have hardly any room, as at the edge of what is possible.
+    `patient` finds, within seconds, also those that have hardly any room, as at the edge of what is possible.
     """
-    count, rows = len(model.joints), model.mixture.reshape(len(model.inertial), -1)
+    rows = model.mixture.reshape(len(model.inertial), -1)
     known = _usual(model, phi) if near is None else tuple(near)
     # In units of the known bodies all numbers are near one.
     before = np.array([pseudo_inertia(dict(zip(KINDS, one.numbers, strict=True))) for one in known])
@@ -70,17 +72,24 @@ def nearest_bodies(
     scale = unit[:, :, None] * unit[:, None, :]
     weights = np.einsum("pkn,nij->pkij", model.mixture, _WEIGHTS) * scale
     size = np.maximum(np.abs(weights).max(axis=(1, 2, 3)), np.abs(phi))
-    asked = before / scale, weights / size[:, None, None, None], phi / size
-    nearest = nearest_matrices(*asked)
-    found = None if nearest is None else nearest.real
-    if found is None and patient:
-        found = nearest_inside(*asked)
-    if found is None:
-        return None
+    start, weights, values = before / scale, weights / size[:, None, None, None], phi / size
+    nearest = nearest_matrices(start, weights, values)
+    found = None if nearest is None else _exactly(rows, nearest.real, scale, phi)
+    for share in SHARES if patient and found is None else ():
+        found = _exactly(rows, nearest_inside(share * start, weights, values), scale, phi)
+        if found is not None:
+            break
+    return found
+
+
+def _exactly(rows: Float, found: Float, scale: Float, phi: Float) -> tuple[Body3D, ...] | None:
+    """Return bodies (J,) with the pseudo-inertias `found` times `scale` (J, 4, 4) and exactly the base parameters `phi`
+    (P,), which are `rows` (P, 10 J) times their numbers; None where rounding left too much.
+    """
     numbers = np.einsum("kij,nij->kn", found * scale, _WEIGHTS)
     units = np.maximum(np.abs(np.einsum("kij,nij->kn", scale, np.abs(_WEIGHTS))), 1e-300)
     wide = rows * units.ravel()
-    numbers = numbers - (units.ravel() * (np.linalg.pinv(wide) @ (rows @ numbers.ravel() - phi))).reshape(count, -1)
+    numbers = numbers - (units.ravel() * (np.linalg.pinv(wide) @ (rows @ numbers.ravel() - phi))).reshape(-1, 10)
     flat = numbers.ravel()
     wrong = np.abs(rows @ flat - phi) > EXACT * np.maximum(np.abs(rows) @ np.abs(flat), np.abs(phi))
     possible = [np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, one, strict=True))))[0] > 0.0 for one in numbers]
