@@ -48,7 +48,8 @@ from exoid.symbolic.motion import Float, Motion
 MARGIN = 1e-4
 """Least eigenvalue of the two mass matrices, kg·m², or of a link in units of a rod of `MASS` kg."""
 THIN = 1e-5
-"""The same of a link in space, in units of a usual body: a rod of 0.1 kg is not thicker than 5 mm at ten times that."""
+"""The same of a link in space, in units of a usual body of `MASS` kg: where joints are 0.3 m apart, what a rod of
+0.1 kg and 5 mm radius has across its axis."""
 MASS, LENGTH, LARGEST = 4.0, 0.3, 1e3
 """kg and m of a rod in whose units numbers of links are, and how many times its trace a link has at most: where nothing
 shows them, mass and size would grow without end."""
@@ -84,7 +85,9 @@ class Physics:
         return "leg" if self.lift is None else "machine"
 
     def conditions(self, linear: Float, slope: Float) -> list[Condition]:
-        """Return every linear condition on Φ that is tight near `linear`, where the loss has this `slope` (P,)."""
+        """Return every linear condition on Φ that is tight near `linear`, where the loss has this `slope` (P,); the
+        inequalities in Φ itself, the leg's, are of 2×2 matrices.
+        """
         out: list[Condition] = []
         size = np.maximum(np.abs(linear), 1e-3 * np.max(np.abs(linear), initial=1e-9))
         for p in range(linear.size):
