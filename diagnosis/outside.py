@@ -10,7 +10,8 @@ import numpy as np
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.pushes import force_alone
 from exoid.ground.plain import AsJson
-from exoid.symbolic.force import TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.force import FIXED, TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.joints import Vector
 from exoid.symbolic.quantity import Estimate
 
 FRAMES = {WORLD: "forwards and upwards", VERTICAL: "upwards"}
@@ -27,7 +28,7 @@ class ForceUse(AsJson):
     columns: tuple[str, ...]
     link: str
     frame: str
-    at: float | None
+    at: float | Vector | None
     low: float | None
     high: float | None
     gain: float
@@ -42,14 +43,17 @@ def force_uses(now: FittedModel) -> tuple[ForceUse, ...]:
 
 
 def acts_at(force: Force, estimates: Sequence[Estimate]) -> tuple[float, float, Estimate | None]:
-    """Return where on its link a force acts in m, its gain, and the estimate of the place where that was identified."""
+    """Return where along its link a force acts in m, 0 for one in space, which says it itself; its gain; and the
+    estimate of the place where that was identified.
+    """
     known = {estimate.name: estimate for estimate in estimates}
     gain = known.get(f"{force.name}.gain")
     size = force.gain if force.gain is not None else 1.0 if gain is None else gain.value
     both, place = known.get(f"{force.name}.gain_at"), known.get(f"{force.name}.at")
     if both is not None:
         return both.value / size if size else 0.0, size, None
-    return (place.value if place is not None else force.at or 0.0), size, place
+    known_at = 0.0 if isinstance(force.at, tuple) else force.at or 0.0
+    return (place.value if place is not None else known_at), size, place
 
 
 def _use(force: Force, now: FittedModel) -> ForceUse:
@@ -66,7 +70,7 @@ def _use(force: Force, now: FittedModel) -> ForceUse:
         columns=force.columns,
         link=force.link,
         frame=force.frame,
-        at=None if force.frame == TORQUE else at,
+        at=None if force.frame == TORQUE else force.placed.xyz if force.in_space else at,
         low=None if place is None else place.low,
         high=None if place is None else place.high,
         gain=gain,
@@ -78,6 +82,10 @@ def _use(force: Force, now: FittedModel) -> ForceUse:
 
 def _where(force: Force, at: float, place: Estimate | None) -> str:
     way = FRAMES.get(force.frame, "normal to the link")
+    if force.in_space:
+        x, y, z = force.placed.xyz
+        axes = "those of the base" if force.frame == FIXED else "its sensor's"
+        return f"along {axes} axes, at ({x:.3g}, {y:.3g}, {z:.3g}) m in the frame of {force.link}"
     ends = "" if place is None else f" ({place.low:.3g} to {place.high:.3g})"
     return f"{way}, {at:.3g} m{ends} along the link after the {force.link}"
 

@@ -2,7 +2,8 @@
 
 Without [[forces]] in the model file f1, f2, ... are cuffs on the links, normal to them and positive forwards, at
 unknown distances; grf_x and grf_z, or grf_z alone, are the force of the ground on the foot, which is on the line of the
-last link; interaction_torque_<joint> is a torque about that joint.
+last link; interaction_torque_<joint> is a torque about that joint. Where a force-torque sensor sits on a machine in
+space only a model file can say.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from exoid.measurement.finding import Finding
 from exoid.measurement.reading.outside import INTERACTION
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import TORQUE, VERTICAL, Force
-from exoid.symbolic.joints import Joint, is_leg
+from exoid.symbolic.joints import Joint, is_leg, is_spatial
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -29,10 +30,10 @@ def usual_forces(names: Sequence[str], joints: Sequence[Joint]) -> tuple[Force, 
     found = []
     leg = is_leg(joints)
     for k, joint in enumerate(joints, start=1):
-        if f"f{k}" in names and (joint.turns or k > 1):
+        if f"f{k}" in names and not is_spatial(joints) and (joint.turns or k > 1):
             called = CUFFS[joint.name] if leg else f"cuff at {joint.name}"
             found.append(Force(called, joint.name, (f"f{k}",)))
-    if "grf_z" in names:
+    if "grf_z" in names and not is_spatial(joints):
         both = "grf_x" in names
         columns = ("grf_x", "grf_z") if both else ("grf_z",)
         found.append(Force("ground", joints[-1].name, columns, frame="" if both else VERTICAL))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,7 @@ from exoid.ground.html import bullets, lines, table
 from exoid.measurement.finding import Finding
 from exoid.measurement.plots import angles_and_torques
 from exoid.measurement.signals.spikes import spikes
-from exoid.symbolic.joints import LEG, UNNAMED, Joint, names
+from exoid.symbolic.joints import LEG, UNNAMED, Joint, Vector, is_spatial, names
 from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.motion import Float, read_only
 
@@ -31,6 +31,17 @@ if TYPE_CHECKING:
 
 BASE_COLUMNS: Mapping[str, str] = MappingProxyType({"base_angle": "rad", "base_ax": "m/s²", "base_az": "m/s²"})
 """Columns of a recording that say how a measured base moved, and their units."""
+SPACE_BASE_COLUMNS: Mapping[str, str] = MappingProxyType(
+    {f"base_{name}": "rad" for name in ("roll", "pitch", "yaw")} | {f"base_a{axis}": "m/s²" for axis in "xyz"}
+)
+"""The same of a machine in space; its angles are about the fixed axes x, y, z, in this order."""
+
+
+def base_columns(joints: Sequence[Joint]) -> Mapping[str, str]:
+    """Return {column: unit} of what a recording of a machine with `joints` has of a measured base, angles first."""
+    return SPACE_BASE_COLUMNS if is_spatial(joints) else BASE_COLUMNS
+
+
 
 
 LARGEST = 1e30
@@ -64,8 +75,8 @@ class Recording:
     `row` (N,) is the row of the file each sample stands in (line number for text files), for messages. `payloads` are
     known masses that hung on the leg meanwhile, `conventions` the names of those it was converted from, `passive` the
     joints that had no drive meanwhile: their torque is zero, whatever their channel reads. `base` (N, 3) is how a
-    measured base moved: its angle rad and its acceleration forwards and upwards m/s² without gravity; None where
-    nothing is known of it.
+    measured base moved: its angle rad and its acceleration forwards and upwards m/s² without gravity; in space
+    (N, 6), three angles and three accelerations. None where nothing is known of it.
     """
 
     name: str
@@ -95,7 +106,8 @@ class Recording:
             if value is None and name not in ("t", "q", "tau"):
                 continue
             array = read_only(value)
-            shape = (count,) if name in ("t", "contact") else (count, 3 if name == "base" else len(self.joints))
+            width = len(base_columns(self.joints) if name == "base" else self.joints)
+            shape = (count,) if name in ("t", "contact") else (count, width)
             if array.shape != shape:
                 raise ArrayError(f"recording.{name} has shape {array.shape}, expected {shape}")
             if not np.max(np.abs(array), initial=0.0) <= LARGEST:
@@ -168,9 +180,10 @@ class Recording:
             vars(other)["spikes"] = self.spikes  # found once: its torques are the same
         return other
 
-    def with_payload(self, mass: float, along: float, link: str = "shank") -> Recording:
+    def with_payload(self, mass: float, along: float | Vector, link: str = "shank") -> Recording:
         """Return the same recording, made with a known `mass` kg on the leg, `along` m below the knee (or the hip, for
-        `link` "thigh"). PayloadError where such a mass cannot be.
+        `link` "thigh"; of an arm in space at `along` (3,) m in the frame of the joint `link`). PayloadError where such
+        a mass cannot be.
         """
         return replace(self, payloads=(*self.payloads, Payload(mass, along, link)))
 
@@ -216,7 +229,7 @@ class Recording:
             for joint in range(len(self.joints)):
                 out[f"{label}{joint + 1}"] = np.where(cells.get(label, rows)[:, joint], values[:, joint], np.nan)
         if self.base is not None:
-            out |= {n: np.where(self.valid, self.base[:, k], np.nan) for k, n in enumerate(BASE_COLUMNS)}
+            out |= {n: np.where(self.valid, self.base[:, k], np.nan) for k, n in enumerate(base_columns(self.joints))}
         outside = {**self.forces, **({} if self.contact is None else {"contact": self.contact})}
         return out | {name: np.where(self.valid, values, np.nan) for name, values in outside.items()}
 
@@ -238,8 +251,9 @@ class Recording:
         time = columns.pop("t")
         data = {}
         for name, cells in columns.items():
-            if name in BASE_COLUMNS or name in self.forces or name == "contact":
-                data[name] = ("t", cells, {"units": BASE_COLUMNS.get(name, force_unit(name))})
+            carried = base_columns(self.joints)
+            if name in carried or name in self.forces or name == "contact":
+                data[name] = ("t", cells, {"units": carried.get(name, force_unit(name))})
                 continue
             quantity = name.rstrip("0123456789")
             unit = self.joints[int(name.removeprefix(quantity)) - 1].unit(quantity)

@@ -77,7 +77,7 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
     rng, joints = np.random.default_rng(SEED), model.chain
     bare, count = compiled(model.base().unpushed), len(model.chain)
     at_rest = Motion(np.arange(float(STATES)), *(rng.normal(size=(STATES, count)) for _ in range(3)))
-    base = rng.normal(size=(STATES, 5)) if model.moving_base else None
+    base = rng.normal(size=(STATES, len(model.base_state))) if model.moving_base else None
     motion = replace(at_rest, base=base)
     links = _random_links(rng, count, model.spatial)
     phi = [
@@ -85,7 +85,7 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
         for p in base_parameters(joints, model.pull, model.moving_base)
     ]
     linear = np.array([*phi, *([0.0] * 2 * count)])
-    swaying = STILL if base is None else BaseMotion(*base.T)
+    swaying = STILL if base is None or model.spatial else BaseMotion(*base.T)
     wanted = _newton_euler(model, motion, links, swaying)
     found = bare.inverse_dynamics(motion, linear)
     m, c = bare.mass_matrix(motion, linear), bare.coriolis(motion, linear)
@@ -122,7 +122,9 @@ def _newton_euler(model: Model, motion: Motion, links: dict[str, Float], swaying
     if model.spatial:
         own = [{kind: values[k] for kind, values in links.items()} for k in range(len(model.joints))]
         return np.column_stack([
-            row + still for row in joint_torques(model.chain, pull_of(model.pull), q, dq, ddq, np, own)
+            row + still for row in joint_torques(
+                model.chain, pull_of(model.pull), q, dq, ddq, np, own, () if motion.base is None else [*motion.base.T]
+            )
         ])
     wanted = np.zeros((len(motion), len(model.joints)))
     for k, one in enumerate(link_torques(model.chain, model.gravity, q, dq, ddq, np, swaying)):
@@ -137,17 +139,17 @@ def _force_checks(model: Model) -> tuple[Check, ...]:
         return ()
     rng, joints, count = np.random.default_rng(SEED), placed_joints(model), len(model.joints)
     q = rng.normal(size=(STATES, count))
-    base = rng.normal(size=(STATES, 5)) if model.moving_base else None
+    base = rng.normal(size=(STATES, len(model.base_state))) if model.moving_base else None
     still = np.zeros_like(q)
-    swaying = STILL if base is None else BaseMotion(*base.T)
+    swaying = STILL if base is None or model.spatial else BaseMotion(*base.T)
     found = []
     for force in model.forces:
-        at = 0.3 if force.at is None else force.at
+        at = 0.3 if force.at is None and not force.in_space else force.at
         alone = model.base().with_forces(replace(force, at=at, gain=1.0, sign=1))
         pushed = rng.normal(size=(STATES, len(force.columns)))
         motion = Motion(np.arange(float(STATES)), q, still, still, still, base=base, force=pushed)
         torque = compiled(alone).pointwise(motion, np.zeros(len(alone.parameters)), np.zeros(0))[:, :, -1].T
-        wanted = pushed_torques(joints, q, force, at, pushed, swaying)
+        wanted = pushed_torques(joints, q, force, 0.0 if isinstance(at, tuple) else at or 0.0, pushed, swaying)
         size = float(np.max(np.abs(wanted), initial=0.0))
         detail = f"Newton and Euler ask the drives for the same as the virtual work of {force.name}"
         found.append(_close("measured forces", torque - wanted, size, detail))

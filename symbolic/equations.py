@@ -13,7 +13,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from exoid.symbolic.codegen.equation import Expressions, model_expressions
-from exoid.symbolic.codegen.layout import BASE_STATE
 from exoid.symbolic.codegen.translate import sympy_from_casadi
 from exoid.symbolic.language.torque import is_transform
 from exoid.symbolic.mechanics.base_parameters import base_parameters
@@ -93,7 +92,7 @@ def _read_back(model: Model, x: Expressions, sizes: Mapping[str, Any], wanted: l
     names |= {f"sign{k}": sign(real(f"dtheta{k}")) for k in count}
     inputs |= {f"sign{k}": x.sign[k - 1] for k in count}
     for numbers, vector in (
-        (BASE_STATE if model.moving_base else (), x.base_motion),
+        (model.base_state, x.base_motion),
         ([p.name for p in model.parameters], x.linear),
         ([s.name for s in model.shapes], x.shape),
         ([f"memory{k + 1}" for k in range(len(x.memories))], x.memory),

@@ -6,23 +6,31 @@ What the drives need not supply any more is Jᵀ F by virtual work, so that the 
 
 `a` is what the force does at its link's upper joint, `b` what it does for each metre along the link. Where place and
 gain are known this is a known torque without any number; one that is left out is a number of the model.
+
+Of a machine in space it is a force (3,), or a wrench (6,) of a force and a moment, at a known point of a link.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from exoid.ground.errors import EffectError
-from exoid.symbolic.joints import Joint, ancestors, is_leg
+from exoid.symbolic.joints import Joint, Origin, Vector, ancestors, is_leg, is_spatial, three_numbers
 from exoid.symbolic.term import Parameter
 
 NORMAL, WORLD, VERTICAL, TORQUE = "normal", "world", "vertical", "torque"
-FRAMES = {NORMAL: 1, WORLD: 2, VERTICAL: 1, TORQUE: 1}
+LINK, FIXED = "link", "base"
+FRAMES: Mapping[str, tuple[int, ...]] = MappingProxyType(
+    {NORMAL: (1,), WORLD: (2,), VERTICAL: (1,), TORQUE: (1,), LINK: (3, 6), FIXED: (3, 6)}
+)
 """How the columns of a force are meant, and how many they are: normal to the link, positive to the front of a hanging
-one; forwards and upwards; upwards alone; a torque about the joint, with the sign of its angle."""
+one; forwards and upwards; upwards alone; a torque about the joint, with the sign of its angle. In space the parts of a
+force, and of a moment, along the axes of a sensor on the link, or of the base."""
+IN_SPACE = (LINK, FIXED, TORQUE)
 LEG_LINKS = {"thigh": "hip", "shank": "knee"}
 """Other names for the links of a leg."""
 FARTHEST = 3.0
@@ -37,7 +45,8 @@ LEAST_GAIN = 1e-6
 @dataclass(frozen=True)
 class Force:
     """A force on `link` (the name of the joint it follows), `at` m along it from that joint, in `columns` of a
-    recording: N, or N·m for a torque about the joint.
+    recording: N, or N·m for a torque about the joint. In space `at` (3,) m is a point in the frame of that joint, its
+    origin where left out, and `rpy` (3,) rad how the sensor's axes are turned in that frame.
 
     `frame` is one of `FRAMES`, `sign` -1 where the columns are those of the machine's force on what pushes it. `at`
     and `gain` are identified where they are None; `delay` is how many s later than the torque the columns were logged.
@@ -47,15 +56,16 @@ class Force:
     name: str
     link: str
     columns: tuple[str, ...]
-    at: float | None = None
+    at: float | Vector | None = None
     frame: str = ""
     gain: float | None = 1.0
     delay: float = 0.0
     sign: int = 1
+    rpy: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         if not self.frame:
-            object.__setattr__(self, "frame", WORLD if len(self.columns) == 2 else NORMAL)
+            object.__setattr__(self, "frame", {2: WORLD, 3: LINK, 6: LINK}.get(len(self.columns), NORMAL))
         if not NAME.fullmatch(self.name):
             raise EffectError(
                 f"{self.name[:40]!r} is not a force's name",
@@ -64,11 +74,16 @@ class Force:
             )
         if self.frame not in FRAMES:
             raise EffectError(f"unknown frame {self.frame!r}", where=self.name, remedy=f"use {', '.join(FRAMES)}")
-        if len(self.columns) != FRAMES[self.frame]:
+        if len(self.columns) not in FRAMES[self.frame]:
             what = f"{len(self.columns)} columns for the frame {self.frame!r}"
-            remedy = f"give {FRAMES[self.frame]}: one is normal to the link, two are forwards and upwards"
-            raise EffectError(what, where=self.name, remedy=remedy)
-        if self.at is not None and not (math.isfinite(self.at) and abs(self.at) <= FARTHEST):
+            counts = " or ".join(map(str, FRAMES[self.frame]))
+            meant = "a force, and a moment" if self.in_space else "one is normal to the link, two forwards and upwards"
+            raise EffectError(what, where=self.name, remedy=f"give {counts}: {meant}")
+        if isinstance(self.at, (list, tuple)):
+            object.__setattr__(self, "at", three_numbers(self.at, "at"))
+        object.__setattr__(self, "rpy", three_numbers(self.rpy, "rpy"))
+        parts = () if self.at is None else self.at if isinstance(self.at, tuple) else (self.at,)
+        if not all(abs(part) <= FARTHEST for part in parts):
             remedy = f"give m from the link's upper joint, at most {FARTHEST:g}, or leave it out"
             raise EffectError(f"at is {self.at!r}", where=self.name, remedy=remedy)
         if self.gain is not None and not (math.isfinite(self.gain) and self.gain >= LEAST_GAIN):
@@ -78,6 +93,16 @@ class Force:
             raise EffectError(f"sign is {self.sign!r}", where=self.name, remedy="give 1 or -1")
         if not (math.isfinite(self.delay) and abs(self.delay) <= SLOWEST):
             raise EffectError(f"delay is {self.delay!r}", where=self.name, remedy=f"give s, at most {SLOWEST:g}")
+
+    @property
+    def in_space(self) -> bool:
+        """Whether it is a force or a wrench in space."""
+        return self.frame in (LINK, FIXED)
+
+    @property
+    def placed(self) -> Origin:
+        """Where in space its sensor is: its place and its turn in the frame of its link's joint."""
+        return Origin(self.at if isinstance(self.at, tuple) else (0.0, 0.0, 0.0), self.rpy)
 
     def index(self, joints: Sequence[Joint]) -> int:
         """Return which link of a machine it acts on; EffectError where that has no such link."""
@@ -95,7 +120,8 @@ class Force:
         """
         index = self.index(joints)
         path = ancestors(joints, index)
-        if self.frame == TORQUE:
+        self._check_place(joints)
+        if self.frame == TORQUE or self.in_space:
             return True, False
         slides = not joints[index].turns
         carried = len(path) > 1 or (slides and self.frame != NORMAL)
@@ -104,6 +130,22 @@ class Force:
             remedy = 'leave it out, or give its parts forwards and upwards: frame = "world"'
             raise EffectError("a force across a link that only slides does no work", where=self.name, remedy=remedy)
         return carried, along
+
+    def _check_place(self, joints: Sequence[Joint]) -> None:
+        """Refuse a place or a frame in a plane for a machine in space, and the other way round."""
+        spatial = is_spatial(joints)
+        if spatial != (self.frame in IN_SPACE) and self.frame != TORQUE:
+            frames = ", ".join(IN_SPACE if spatial else (name for name in FRAMES if name not in (LINK, FIXED)))
+            meant = "three are a force, six a force and a moment" if spatial else "one is normal to the link"
+            here = "a plane" if spatial else "space"
+            raise EffectError(
+                f"{len(self.columns)} columns in the frame {self.frame!r} are a force in {here}, the machine is not",
+                where=self.name,
+                remedy=f"use {frames}; of columns {meant}",
+            )
+        if self.at is not None and isinstance(self.at, tuple) != self.in_space:
+            wanted = "three numbers, m in the frame of the link's joint" if self.in_space else "one number, m"
+            raise EffectError(f"at is {self.at!r}", where=self.name, remedy=f"give {wanted}, or leave it out")
 
     def parameters(self, joints: Sequence[Joint]) -> tuple[Parameter, ...]:
         """Return its numbers that are identified: "at" in m, "gain", or "gain_at", the product of both."""

@@ -98,7 +98,8 @@ class Model(Telling):
     joints: tuple[Joint, ...] = LEG
     """Those of the leg, or of another machine, whose gravity may be 0."""
     moving_base: bool = False
-    """Whether the machine's base moves and its recordings say how: angle and, where they have it, acceleration."""
+    """Whether the machine's base moves and its recordings say how: angle (three in space) and, where they have it,
+    acceleration."""
     forces: tuple[Force, ...] = ()
     """External forces that its recordings have measured; they are no effects, and belong to the base model."""
     wearer: Body | None = None
@@ -148,8 +149,6 @@ class Model(Telling):
     def _check_spatial(self) -> None:
         """Refuse what a spatial machine cannot have yet."""
         for there, what, key in (
-            (self.moving_base, "a base whose motion is measured", "[base]"),
-            (bool(self.forces), "measured forces", "[[forces]]"),
             (self.wearer is not None, "a wearer", "[wearer]"),
         ):
             if there:
@@ -317,6 +316,13 @@ class Model(Telling):
         if not self.chain:
             return leg_mixture(self.thigh_length)
         return tree_mixture(self.chain, self.pull, self.moving_base)
+
+    @property
+    def base_state(self) -> tuple[str, ...]:
+        """What a motion has of its base, in that order; nothing where the base stands still."""
+        from exoid.symbolic.codegen.layout import base_state
+
+        return base_state(self.moving_base, self.spatial)
 
     @property
     def friction(self) -> slice:

@@ -130,7 +130,9 @@ def _force_content(force: Force) -> dict[str, Any]:
     """Return a measured force as the file has it; what is left out is identified, or as usual."""
     content: dict[str, Any] = {"name": force.name, "link": force.link, "columns": list(force.columns)}
     if force.at is not None:
-        content["at"] = force.at
+        content["at"] = list(force.at) if isinstance(force.at, tuple) else force.at
+    if any(force.rpy):
+        content["rpy"] = list(force.rpy)
     if force != replace(force, frame=""):
         content["frame"] = force.frame
     content |= {"sign": force.sign} if force.sign != 1 else {}
@@ -231,15 +233,17 @@ def _worn(model: Model, top: Table) -> Model:
 def _pushed(model: Model, entries: Sequence[Table]) -> Model:
     """Return `model` with the measured forces of a file's [[forces]]."""
     for entry in entries:
-        entry.only("name", "link", "at", "columns", "frame", "sign", "gain", "delay")
-        at = entry.number("at") if "at" in entry.values else None
+        entry.only("name", "link", "at", "columns", "frame", "sign", "gain", "delay", "rpy")
+        at: Any = entry.values.get("at")
+        at = tuple(at) if isinstance(at, list) else None if at is None else entry.number("at")
         gain = None if entry.values.get("gain") == IDENTIFIED else entry.number("gain", 1.0)
         delay = entry.number("delay", 0.0)
         sign = entry.number("sign", 1.0)
         try:
             named = entry.text("name"), entry.text("link"), tuple(entry.texts("columns"))
             whole = int(sign) if sign in (1.0, -1.0) else 0
-            force = Force(*named, at, entry.text("frame", ""), gain, delay, whole)
+            turned = entry.values.get("rpy", [0.0, 0.0, 0.0])
+            force = Force(*named, at, entry.text("frame", ""), gain, delay, whole, turned)
             model = model.with_forces(*model.forces, force)
         except EffectError as error:
             key = next((key for key in entry.values if error.what.startswith(f"{key} is")), "name")
@@ -287,10 +291,6 @@ def _machine(top: Table) -> Model:
     name = top.text("name", "unnamed machine")
     if pull and not is_spatial(joints):
         raise top.error("gravity", "gravity is a vector, and no joint has an axis", "give a number, m/s² downwards")
-    if moving and is_spatial(joints):
-        raise top.child("base", top.values["base"]).error(
-            "motion", "the base of a machine whose joints have axes cannot be measured yet", "leave [base] out"
-        )
     if gravity > 0.0 and not moving and is_leg(joints):
         known = {joint: limits.get(joint, UNLIMITED).filled(usual) for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)

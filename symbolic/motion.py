@@ -26,7 +26,8 @@ class Motion:
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
     prepares a measurement knows how much of the sign can be believed. `payload` (4,) is what known masses
     that hung on the leg add to Φ1..Φ4 in kg·m² (`exoid.symbolic.mechanics.payload`), None where there were none. `base`
-    (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s². `force`
+    (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s²; in space
+    (N, 12): three angles rad about fixed axes x, y, z, their derivatives, acceleration m/s². `force`
     (N, C) are measured external forces, in the order of the model's `channels`, N or N·m.
     """
 
@@ -48,7 +49,7 @@ class Motion:
             object.__setattr__(self, "payload", read_only(self.payload))
         if self.base is not None:
             object.__setattr__(self, "base", read_only(self.base))
-            if self.base.shape != (self.t.shape[0], 5):
+            if self.base.shape not in ((self.t.shape[0], 5), (self.t.shape[0], 12)):
                 raise ValueError(f"motion.base has shape {self.base.shape}, expected {(self.t.shape[0], 5)}")
         if self.force is not None:
             object.__setattr__(self, "force", read_only(self.force))

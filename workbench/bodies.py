@@ -58,11 +58,11 @@ def bodies_of(ready: Ready, near: Sequence[Body3D] | None = None) -> tuple[Body3
     import numpy as np
 
     model = ready.model
-    found = nearest_bodies(model, np.array([ready.linear[p.name] for p in model.inertial]), near)
+    found = nearest_bodies(model, np.array([ready.linear[p.name] for p in model.inertial]), near, patient=True)
     if found is None:
         raise ExportError(
             f"no machine of positive masses has the numbers Φ1 to Φ{len(model.inertial)}",
-            remedy="identify on richer motion, of the last joints above all; the other formats carry these numbers",
+            remedy="identify with --physical or on richer motion; the other formats carry these numbers",
         )
     return found
 

@@ -161,7 +161,7 @@ def _refuse_overflow(made: Ready, where: str) -> None:
         q = [low + share * (high - low) for low, high in (limit.angle for limit in limits)]
         dq, ddq = ([share * getattr(limit, name) for limit in limits] for name in ("velocity", "acceleration"))
         memory = [share] * len(made.memories)
-        outside = [[share] * count for count in (5 * made.model.moving_base, len(made.model.channels)) if count]
+        outside = [[share] * count for count in (len(made.model.base_state), len(made.model.channels)) if count]
         given = [0.0, q, dq, ddq, [share] * len(q), memory, *outside]
         outputs = [f(*given) for f in (made.torque, made.rigid, made.mass, made.coriolis, made.gravity)]
         outputs += [m.argument(*given) for m in made.memories]

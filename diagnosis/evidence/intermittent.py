@@ -31,7 +31,7 @@ from exoid.optimisation.preparation.filtering import EDGE, PreparedRecording
 from exoid.optimisation.preparation.noise import torque_noise
 from exoid.symbolic.evaluation import carrying
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import Joint
+from exoid.symbolic.joints import Joint, is_spatial
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
@@ -359,7 +359,7 @@ def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int,
 def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:
     """Return which way a foot on the last link moves while it acts and not otherwise, in words; "" for none."""
     joints = placed_joints(base.model)
-    if len(joints) < 2 or not joints[-1].turns:
+    if len(joints) < 2 or not joints[-1].turns or is_spatial(joints):
         return ""
     reach = joints[-2].length or base.model.thigh_length
     at = Force("foot", joints[-1].name, ("grf_x", "grf_z"))
@@ -389,7 +389,7 @@ def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[N
     """
     model = base.model
     joints = placed_joints(model)
-    if len(joints) < 2 or not joints[-1].turns:
+    if len(joints) < 2 or not joints[-1].turns or is_spatial(joints):
         return ""
     usual = joints[-2].length or model.thigh_length
     tried = [usual * part for part in (PLACES if len(joints) > 2 else (1.0,))]

@@ -9,9 +9,10 @@ import numpy as np
 from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.measurement.recording import force_unit
 from exoid.optimisation.linear.factor import factorise
 from exoid.optimisation.preparation.filtering import PreparedRecording
-from exoid.symbolic.force import TORQUE, Force
+from exoid.symbolic.force import Force
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
@@ -47,13 +48,15 @@ def turned_force(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     if not turned:
         return None
     names = " and ".join(one.force.name for one in turned)
-    units = {True: "Nm", False: "N"}
-    columns = (name for one in turned for name in one.force.columns)
-    options = ",".join(f"{name}=-{units[one.force.frame == TORQUE]}" for one in turned for name in one.force.columns)
+    units = {"N·m": "Nm", "N": "N"}
+    columns = [name for one in turned for name in one.force.columns]
+    options = ",".join(f"{name}=-{units[force_unit(name)]}" for name in columns)
+    space = any(one.force.in_space for one in turned)
+    positive = "along the axes of their sensor or the base" if space else "forwards and upwards"
     gains = ", ".join(f"{one.gain:.2g}" for one in turned)
     return Doubt(
         f"the torques want the {names} multiplied by {gains}",
-        f"The {names} counts the other way round: forces act on the machine and are positive forwards and upwards, and "
+        f"The {names} counts the other way round: forces act on the machine and are positive {positive}, and "
         f"the torques agree with {', '.join(columns)} only when multiplied by {gains}.",
         f"--units {options}, or sign = -1 in [[forces]]; where only some columns are turned round, those alone",
         1.0 - max(one.share for one in turned),
@@ -74,7 +77,8 @@ def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
         without = _share_of_column(base, list(data.names).index(place.name))
         return WantedGain(force, float(np.sign(place.value)), deviation, without)
     # Where its place is free, it is taken at its link's upper joint.
-    parts = [force_alone(model, one, force, force.at or 0.0) for one in base.prepared.train]
+    at = 0.0 if isinstance(force.at, tuple) else force.at or 0.0
+    parts = [force_alone(model, one, force, at) for one in base.prepared.train]
     column = (np.concatenate(parts, axis=1) * data.use).ravel()
     residual = (data.residual(base.linear) * data.use).ravel()
     basis = data.factor.basis
@@ -90,11 +94,13 @@ def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
 
 
 def force_alone(model: Model, one: PreparedRecording, force: Force, at: float, gain: float = 1.0) -> Float:
-    """Return the filtered torque (J, K) that a measured force makes alone at `at` m on its link, times its `gain`."""
+    """Return the filtered torque (J, K) that a measured force makes alone at `at` m on its link, times its `gain`; one
+    in space where it says itself.
+    """
     motion, first = one.motion, model.channels.index(force.columns[0])
     assert motion.force is not None  # `prepare` refuses recordings without
     signals = force.sign * gain * motion.force[:, first : first + len(force.columns)]
-    base = STILL if motion.base is None else BaseMotion(*motion.base.T)
+    base = STILL if motion.base is None or model.spatial else BaseMotion(*motion.base.T)
     return one.smooth(pushed_torques(placed_joints(model), motion.q, force, at, signals, base))
 
 

@@ -127,7 +127,7 @@ def _setting(whole: Tangents, model: Model, load: bool, lean: bool) -> Float:
     function, inputs = whole.function, list(whole.inputs)
     linear, shape = np.array(inputs[-2]), np.array(inputs[-1])
     if load:
-        added = Payload(MASS, REACH).added(model)
+        added = Payload(MASS, (REACH, REACH, REACH) if model.spatial else REACH).added(model)
         linear[: len(added)] += added
     for k, entry in enumerate(model.shapes):
         if entry.term == "gravity_tilt":

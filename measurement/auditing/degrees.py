@@ -19,7 +19,7 @@ from exoid.measurement.reading.angles import sampled
 from exoid.measurement.reading.columns import Assigned
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.names import words_in
-from exoid.measurement.recording import Recording
+from exoid.measurement.recording import Recording, base_columns
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.units import DEGREE
 
@@ -34,7 +34,8 @@ def read_degrees(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
     reach = {name: _reach(draft, name) for name in angles}
     if not _certain(draft, assigned, reach):
         return draft
-    base = [name for name in ("base_angle",) if name in draft.columns and _reach(draft, name) > EACH]
+    known = [name for name, unit in base_columns(draft.joints).items() if unit == "rad" and name in draft.columns]
+    base = [name for name in known if _reach(draft, name) > EACH]
     rates = _rates(draft)
     converted = [name for name in (*angles, *base, *rates) if name not in draft.told]
     columns = {n: v * DEGREE if n in converted else v for n, v in draft.columns.items()}

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.ground.errors import ExoidError
+from exoid.symbolic.joints import Vector
 from exoid.symbolic.mechanics.payload import Payload
 
 KNEE = -0.925
@@ -88,7 +89,7 @@ class Leg:
         )
         return cls(name, (*lumped, *friction), (150.0, 100.0), thigh=thigh, shank=shank)
 
-    def with_payload(self, mass: float, along: float, link: str = "shank") -> Leg:
+    def with_payload(self, mass: float, along: float | Vector, link: str = "shank") -> Leg:
         """Return the leg with a `mass` kg on the axis of `link`, `along` m from its upper joint; what is fastened to it
         can no longer be distinguished from the segments.
         """

@@ -288,7 +288,7 @@ def _drive(
     added = np.zeros((count, len(joints))) if feed_forward is None else np.asarray(feed_forward(wanted), dtype=float)
     base = None
     if mechanical.model.moving_base:
-        base = base_motion(np.asarray(t, dtype=float), np.random.default_rng(base_seed))
+        base = base_motion(np.asarray(t, dtype=float), np.random.default_rng(base_seed), model.spatial)
         outside.append(base)
     gait = path if isinstance(path, Gait) else None
     force = pushes(model, bench.wearer, gait, np.asarray(t, dtype=float), rng) if model.forces else None
@@ -379,8 +379,10 @@ def _measure(
     logged = sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2)
     base: Float | None = None
     if motion.base is not None:
-        leaning = sensors.angle(motion.base[:, :1], rng, np.ones(1))
-        carried = motion.base[:, 3:] + ACCELERATION_NOISE * rng.standard_normal((len(t), 2))
+        turns = motion.base.shape[1] // 4  # one angle with five columns, three with twelve
+        leaning = sensors.angle(motion.base[:, :turns], rng, np.ones(turns))
+        carried = motion.base[:, 3 * turns :]
+        carried = carried + ACCELERATION_NOISE * rng.standard_normal(carried.shape)
         base = sensors.logged(np.column_stack([leaning, carried]))
     return Recording(name, *logged, forces=forces, joints=model.joints, base=base, contact=contact)
 

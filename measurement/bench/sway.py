@@ -19,16 +19,19 @@ ACCELERATION_NOISE = 0.02
 """m/s² of the accelerometer on the base (standard deviation)."""
 
 
-def base_motion(t: Float, rng: np.random.Generator) -> Float:
+def base_motion(t: Float, rng: np.random.Generator, spatial: bool = False) -> Float:
     """Return how the base moves at times `t` (N,) s: angle rad, rad/s, rad/s², acceleration forwards and upwards
-    m/s², (N, 5).
+    m/s², (N, 5); of a `spatial` machine three of each, (N, 12).
     """
-    out = np.zeros((len(t), 5))
-    for column, size in ((0, TILT), (3, CARRIED), (4, CARRIED)):
+    turns, all_of = (3, 12) if spatial else (1, 5)
+    out = np.zeros((len(t), all_of))
+    sizes = {**dict.fromkeys(range(turns), TILT), **dict.fromkeys(range(3 * turns, all_of), CARRIED)}
+    for column, size in sizes.items():
         rate, phase = 2.0 * np.pi * rng.uniform(*BAND, SINES), rng.uniform(0.0, 2.0 * np.pi, SINES)
         amplitude = size * rng.uniform(0.5, 1.0, SINES) / np.sqrt(SINES)
         angle = np.outer(t, rate) + phase
         out[:, column] = np.sin(angle) @ amplitude
-        if column == 0:
-            out[:, 1], out[:, 2] = np.cos(angle) @ (rate * amplitude), -np.sin(angle) @ (rate**2 * amplitude)
+        if column < turns:
+            out[:, column + turns] = np.cos(angle) @ (rate * amplitude)
+            out[:, column + 2 * turns] = -np.sin(angle) @ (rate**2 * amplitude)
     return out

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from exoid.ground.errors import ExoidError
 from exoid.ground.suggest import did_you_mean
 from exoid.measurement.bench.walk import Gait
-from exoid.symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.force import FIXED, LINK, NORMAL, TORQUE, VERTICAL, WORLD, Force
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
@@ -54,7 +54,7 @@ PERSON = 3.0
 
 
 SENSED: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"cuffs": (NORMAL, TORQUE), "plate": (WORLD, VERTICAL), "switch": ()}
+    {"cuffs": (NORMAL, TORQUE), "plate": (WORLD, VERTICAL), "switch": (), "wrench": (LINK, FIXED)}
 )
 """What a recording can have of what acts, and the frames of the forces that it then has; a foot switch has none."""
 TOUCH = 5.0
@@ -85,8 +85,9 @@ def pushed_leg(model: Model, wearer: Wearer | None, gait: Gait | None) -> Model:
     usual = {WORLD: foot, VERTICAL: foot}
     return model.with_forces(
         *(
-            replace(force, at=usual.get(force.frame, CUFF) if force.at is None else force.at, gain=force.gain or 1.0)
+            replace(force, at=at, gain=force.gain or 1.0)
             for force in forces
+            for at in (usual.get(force.frame, CUFF) if force.at is None and not force.in_space else force.at,)
         )
     )
 
@@ -109,11 +110,19 @@ def pushes(model: Model, wearer: Wearer | None, gait: Gait | None, t: Float, rng
             out += [*under.T]
         elif force.frame == VERTICAL:
             out.append(under[:, 1])
+        elif force.in_space:
+            for k in range(len(force.columns)):
+                out.append(_scaled(person.force(t, rng)[:, k % 2], k >= 3, person, k % 2))
         else:
-            size = PERSON / person.amplitude[used % 2] if force.frame == TORQUE else 1.0
-            out.append(size * cuffs[:, used % 2] if used < 2 else size * person.force(t, rng)[:, used % 2])
+            own = cuffs if used < 2 else person.force(t, rng)
+            out.append(_scaled(own[:, used % 2], force.frame == TORQUE, person, used % 2))
             used += 1
     return np.column_stack(out)
+
+
+def _scaled(force: Float, turns: bool, person: Wearer, cuff: int) -> Float:
+    """Return what a person does at a `cuff` (N,), as a torque where it `turns`."""
+    return force * (PERSON / person.amplitude[cuff]) if turns else force
 
 
 def borne(model: Model, motion: Motion, signals: Float) -> Float:
@@ -125,7 +134,8 @@ def borne(model: Model, motion: Motion, signals: Float) -> Float:
         count = len(force.columns)
         if force.frame in (WORLD, VERTICAL):
             told = signals[:, used : used + count]
-            out += pushed_torques(placed_joints(model), motion.q, force, force.at or 0.0, told)
+            at = force.at if isinstance(force.at, float) else 0.0
+            out += pushed_torques(placed_joints(model), motion.q, force, at, told)
         used += count
     return out
 

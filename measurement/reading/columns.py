@@ -18,6 +18,7 @@ from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quanti
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
 from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.units import SLIDING, factor, is_product, is_scaled
+from exoid.measurement.recording import base_columns
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
 from exoid.symbolic.units import QUANTITIES, SI_UNIT
 
@@ -38,7 +39,7 @@ def canonical_columns(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     """Return the names of all columns that a recording of `joints` may have."""
     numbers = range(1, len(joints) + 1)
     further = (f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers)
-    return (*required(joints), *further, *BASE, *outside_columns(joints))
+    return (*required(joints), *further, *base_columns(joints), *outside_columns(joints))
 
 
 @dataclass(frozen=True)

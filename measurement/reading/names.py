@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 from exoid.measurement.reading.outside import outside_columns, outside_kind, outside_name, words_of
 from exoid.measurement.reading.units import SLIDING, factor, is_scaled, is_unit
-from exoid.symbolic.joints import LEG, Joint
+from exoid.measurement.recording import BASE_COLUMNS, SPACE_BASE_COLUMNS
+from exoid.symbolic.joints import LEG, Joint, is_spatial
 from exoid.symbolic.joints import names as joint_names
 
 WORDS: Mapping[str, tuple[str, ...]] = {
@@ -81,13 +82,20 @@ GREEK = {
     "τ": " tau ",
     "ω": " omega ",
 }
-BASE: Mapping[str, str] = {"base_angle": "q", "base_ax": "ddx", "base_az": "ddx"}
+_OF_UNIT = {"rad": "q", "m/s²": "ddx"}
+BASE: Mapping[str, str] = {
+    name: _OF_UNIT[unit] for name, unit in (*BASE_COLUMNS.items(), *SPACE_BASE_COLUMNS.items())
+}
 """Columns of a measured base, and what quantity each is."""
+CARRIERS = ("base", "backpack", "pelvis", "trunk")
 BASE_WORDS: Mapping[str, str] = {
-    **{name.replace("_", ""): name for name in BASE},
-    **{f"{part}{word}": "base_angle" for part in ("base", "backpack", "pelvis", "trunk")
-       for word in ("angle", "tilt", "pitch")},
-}  # fmt: skip
+    **{name.replace("_", ""): name for name in BASE_COLUMNS},
+    **{f"{part}{word}": "base_angle" for part in CARRIERS for word in ("angle", "tilt", "pitch")},
+}
+SPACE_BASE_WORDS: Mapping[str, str] = {
+    **{name.replace("_", ""): name for name in SPACE_BASE_COLUMNS},
+    **{f"{part}{word}": f"base_{word}" for part in CARRIERS for word in ("roll", "pitch", "yaw")},
+}
 OWN = ("q", "dq", "ddq", "tau", "f")
 """Quantities that every joint has a column of."""
 _QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items() for word in words}
@@ -126,7 +134,7 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
         return ColumnMeaning(f"{quantity}{joint_names(joints).index(own) + 1}", rank=-1)
     for sign, word in GREEK.items():
         name = name.replace(sign, word)
-    if base := _of_base(name):
+    if base := _of_base(name, SPACE_BASE_WORDS if is_spatial(joints) else BASE_WORDS):
         return base
     name = name.removeprefix("Model Root/")  # dSPACE names the block diagram so; "model" elsewhere is no measurement
     if len(name) > 300 or FOREIGN.intersection(re.split(r"[\W\d_]+", _spaced(name).lower())):
@@ -159,11 +167,11 @@ def _of_outside(name: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
     return None
 
 
-def _of_base(name: str) -> ColumnMeaning | None:
-    """Return what a column of a measured base is: "base_angle", "backpack tilt deg", "base_ax"."""
+def _of_base(name: str, known: Mapping[str, str]) -> ColumnMeaning | None:
+    """Return what a column of a measured base is: "base_angle", "backpack tilt deg", "base_ax"; `known` are words."""
     parts = [part.lower() for part in re.split(r"[\W_]+", name) if part]
     for used in (0, 1, 2):  # a unit at the end may be cut in two
-        meant = BASE_WORDS.get("".join(parts[: len(parts) - used]))
+        meant = known.get("".join(parts[: len(parts) - used]))
         unit = "/".join(parts[len(parts) - used :]) if used else ""
         if meant and (not used or _is_unit_of(BASE[meant], unit)):
             return ColumnMeaning(meant, unit)

@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from itertools import product
 
-from exoid.symbolic.joints import Joint, is_leg
+from exoid.symbolic.joints import Joint, is_leg, is_spatial
 
 CONTACT = "contact"
 """Column that says when the foot carries load: 0 or 1, or the load."""
@@ -19,6 +19,11 @@ GROUND: Mapping[str, str] = {"grf_x": "f", "grf_z": "f"}
 """Columns of the ground's force on the foot, forwards and upwards, and what quantity each is."""
 SEGMENTS: Mapping[str, int] = {"thigh": 0, "femur": 0, "shank": 1, "calf": 1, "tibia": 1}
 """Links of a leg as people call them, and which joint each follows."""
+
+WRENCH: Mapping[str, str] = {
+    f"wrench_{what}_{axis}": kind for what, kind in (("force", "f"), ("torque", "tau")) for axis in "xyz"
+}
+"""Columns of a force-torque sensor on a machine in space, and what quantity each is."""
 
 _PLATE = ("grf", "groundreactionforce", "groundreaction", "groundforce", "forceplate", "forceplatform", "plate", "fp",
           "footforce", "treadmillforce", "treadmill")  # fmt: skip
@@ -36,6 +41,12 @@ _NAMES = {
     "switch": "", "stancephase": CONTACT, "instance": CONTACT,
     **{"".join(pair): CONTACT for pair in product(("insole", "plantar"), ("", "force", "load", "fz", "normalforce"))},
 }  # fmt: skip
+_SENSORS = ("", "wrench", "flange", "ft", "fts", "ftsensor", "forcetorque", "forcetorquesensor", "tcp", "tool", "eef")
+_IN_SPACE = {
+    before + word: f"wrench_{what}_{axis}"
+    for what, stems in (("force", ("f", "force")), ("torque", ("t", "torque", "m", "moment")))
+    for axis in "xyz" for stem in stems for word in (stem + axis, axis + stem) for before in _SENSORS
+}  # fmt: skip
 _PUSHING = frozenset({"force", "f", "cuff", "strap", "load", "loadcell"})
 _BESIDE = frozenset({"cell", "interaction", "interface", "human", "user", "wearer", "normal"})
 _PERSON = frozenset({"interaction", "human", "user", "wearer", "interface"})
@@ -44,12 +55,15 @@ _TORQUE = frozenset({"torque", "moment", "tau"})
 
 def outside_columns(joints: Sequence[Joint]) -> tuple[str, ...]:
     """Return the canonical columns of what pushes a machine with `joints`, cuffs (f1, ...) apart."""
-    return (*GROUND, *(f"{INTERACTION}{joint.name}" for joint in joints), CONTACT)
+    person = (f"{INTERACTION}{joint.name}" for joint in joints)
+    return (*WRENCH, *person) if is_spatial(joints) else (*GROUND, *person, CONTACT)
 
 
 def force_columns(joints: Sequence[Joint]) -> tuple[str, ...]:
-    """Return the canonical columns of all forces and torques from outside, cuffs first."""
-    cuffs = (f"f{k}" for k in range(1, len(joints) + 1))
+    """Return the canonical columns of all forces and torques from outside, cuffs first, which machines in space have
+    none of.
+    """
+    cuffs = () if is_spatial(joints) else tuple(f"f{k}" for k in range(1, len(joints) + 1))
     return (*cuffs, *(name for name in outside_columns(joints) if name != CONTACT))
 
 
@@ -57,14 +71,15 @@ def outside_kind(name: str) -> str | None:
     """Return what quantity an outside column is (a key of `units.QUANTITIES`), None for any other column."""
     if name == CONTACT:
         return "load"
-    return "tau" if name.startswith(INTERACTION) else GROUND.get(name)
+    return "tau" if name.startswith(INTERACTION) else GROUND.get(name) or WRENCH.get(name)
 
 
 def outside_name(words: Sequence[str], joints: Sequence[Joint]) -> str:
     """Return which canonical column the `words` of a name mean, fillers and sides left out; "" for none."""
     own = [joint.name.lower() for joint in joints]
     plain = [word for word in words if not word.isdigit()]
-    if found := _NAMES.get("".join(plain), ""):
+    spatial = is_spatial(joints)
+    if found := (_IN_SPACE if spatial else _NAMES).get("".join(plain), ""):
         return found
     there = set(plain)
     named = {k for k, name in enumerate(own) if name in there}
@@ -76,7 +91,7 @@ def outside_name(words: Sequence[str], joints: Sequence[Joint]) -> str:
     (index,) = named
     if rest & _PERSON and rest & _TORQUE and rest <= _PERSON | _TORQUE:
         return f"{INTERACTION}{joints[index].name}"
-    return f"f{index + 1}" if rest & _PUSHING and rest <= _PUSHING | _BESIDE else ""
+    return f"f{index + 1}" if not spatial and rest & _PUSHING and rest <= _PUSHING | _BESIDE else ""
 
 
 def words_of(name: str) -> list[str]:

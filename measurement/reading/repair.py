@@ -22,7 +22,7 @@ from exoid.measurement.reading.names import kind_of, recognise
 from exoid.measurement.reading.outside import CONTACT, force_columns
 from exoid.measurement.reading.raw import RawTable
 from exoid.measurement.reading.units import is_product
-from exoid.measurement.recording import BASE_COLUMNS, Recording, Source
+from exoid.measurement.recording import Recording, Source, base_columns
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.motion import Float
 from exoid.symbolic.units import SI_UNIT
@@ -59,18 +59,22 @@ def as_recording(draft: Draft, source: Source, name: str) -> Recording:
     )
     return Recording(
         name, columns["t"], **pairs, valid=draft.valid, source=source, findings=draft.findings, row=draft.row,
-        joints=joints, base=_base(columns), angle_valid=angle_valid, torque_valid=torque_valid,
+        joints=joints, base=_base(columns, joints), angle_valid=angle_valid, torque_valid=torque_valid,
         forces={name: columns[name] for name in force_columns(joints) if name in columns},
         contact=columns.get(CONTACT),
     )  # fmt: skip
 
 
-def _base(columns: Mapping[str, Float]) -> Float | None:
-    """Return how the base moved (N, 3), with zero for an acceleration the file does not have; None without an angle."""
-    if "base_angle" not in columns:
+def _base(columns: Mapping[str, Float], joints: tuple[Joint, ...]) -> Float | None:
+    """Return how the base moved (N, 3), in space (N, 6), with zero for an acceleration the file does not have; None
+    without its angles.
+    """
+    names = base_columns(joints)
+    angles = [name for name, unit in names.items() if unit == "rad"]
+    if not columns.keys() >= {*angles}:
         return None
-    still = np.zeros_like(columns["base_angle"])
-    return np.column_stack([columns.get(name, still) for name in BASE_COLUMNS])
+    still = np.zeros_like(columns[angles[0]])
+    return np.column_stack([columns.get(name, still) for name in names])
 
 
 def _start(
@@ -102,9 +106,11 @@ def _start(
             reason = f"{', '.join(empty)} is mostly not numbers" if empty else lacking
             draft = draft.noted("columns", "info", f"{' and '.join(pair)} left out: {reason}")
             columns = {n: v for n, v in columns.items() if n not in pair}
-    alone = [name for name in BASE_COLUMNS if name in columns and "base_angle" not in columns]
+    lacking_angle = [name for name, unit in base_columns(joints).items() if unit == "rad" and name not in columns]
+    alone = [name for name in base_columns(joints) if name in columns and lacking_angle]
     if alone:
-        draft = draft.noted("columns", "info", f"{' and '.join(alone)} left out: there is no base_angle")
+        missing = " and ".join(lacking_angle)
+        draft = draft.noted("columns", "info", f"{' and '.join(alone)} left out: there is no {missing}")
         columns = {n: v for n, v in columns.items() if n not in alone}
     return replace(draft, columns=columns)
 

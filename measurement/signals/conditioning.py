@@ -175,7 +175,7 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
     gap = np.asarray(unknown.any(axis=1))
     base = None
     if recording.base is not None:
-        base, swayed = even(recording.base, np.broadcast_to(rows, (len(rows), 3)), slow)
+        base, swayed = even(recording.base, np.broadcast_to(rows, recording.base.shape), slow)
         gap |= swayed.any(axis=1)
     passive = np.array([joint in recording.passive for joint in recording.joint_names])
     tau = np.where(passive, 0.0, tau)

@@ -63,15 +63,23 @@ def unproven(stage: FitStage) -> list[Finding]:
     return [Finding("certificate", "warning", what, stage.kind, value, limit, remedy)]
 
 
-def price(model: Model, held: Held | None) -> list[Finding]:
-    """Return in words what asking for a possible leg has changed."""
+def price(model: Model, held: Held | None, linear: Float, half: Float) -> list[Finding]:
+    """Return in words what asking for a possible machine has changed: a warning unless `linear` (P,) is as near to the
+    fit without it as the intervals of `half` widths (P or more,) reach.
+    """
     if held is None or not held.broken:
         return []
+    free = np.array([held.free[p.name] for p in model.parameters])
+    open_ = bool(np.all(np.abs(free - linear) <= half[: free.size]))
     value = {p.name: f" ({held.free[p.name]:.4g} {p.unit})" for p in model.parameters}
     broken = ", ".join(name + value.get(name, "") for name in held.broken)
-    what = f"without the demand for a possible leg the fit would violate: {broken}; the loss is {held.cost:.2%} higher"
+    what = f"without the demand for a possible {held.machine} the fit would violate: {broken}; the loss is "
+    what += f"{held.cost:.2%} higher"
     remedy = "an effect that is missing or a wrong sign hides in it: run `exoid diagnose`"
-    return [Finding("possible", "warning", what, "physical", held.cost, 0.0, remedy)]
+    if open_:
+        what += ", and every parameter stays within its interval"
+        remedy = "nothing need be done; faster motion, of the last joints above all, determines small inertias"
+    return [Finding("possible", "info" if open_ else "warning", what, "physical", held.cost, 0.0, remedy)]
 
 
 def held(found: Settled, delta: Float, possible: Physics) -> Held:
@@ -80,4 +88,5 @@ def held(found: Settled, delta: Float, possible: Physics) -> Held:
     broken = possible.broken(free)
     least = huber(found.data.residual(free), delta)
     cost = huber(found.data.residual(found.linear), delta) / max(least, np.finfo(float).tiny) - 1.0
-    return Held(dict(zip(found.data.names, map(float, free), strict=True)), broken, max(cost, 0.0) if broken else 0.0)
+    return Held(dict(zip(found.data.names, map(float, free), strict=True)), broken, max(cost, 0.0) if broken else 0.0,
+                possible.machine)  # fmt: skip

@@ -56,8 +56,9 @@ class Fit(AsJson):
     intervals valid under autocorrelated residuals. `shapes` (R, S) are the shape parameters of each recording, which
     differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m.
     `best_known` says that shape parameters were searched, so that only the linear part carries a proof.
-    `plausibility` is what to be careful about. `held` says what asking for a possible leg changed; None where nobody
-    asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there were.
+    `plausibility` is what to be careful about. `held` says what asking for a possible machine changed; None where
+    nobody asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there
+    were.
     `spacing`: s between samples.
     """
 

@@ -29,7 +29,7 @@ from exoid.optimisation.fitting.shape_problem import solution
 from exoid.optimisation.fitting.shapes import STARTS
 from exoid.optimisation.linear.certificate import Certificate, certify
 from exoid.optimisation.linear.loss import huber
-from exoid.optimisation.linear.physical import Physics, certify_physical, physical_reference, physics
+from exoid.optimisation.linear.physical import Physics, certify_physical, physics
 from exoid.optimisation.linear.problem import huber_problem, sse_problem
 from exoid.optimisation.linear.reference import Reference, solve_reference
 from exoid.optimisation.linear.solve import delta_rule, solve_sse
@@ -65,8 +65,8 @@ def identify(
     """Fit `model` to recordings, prepared or as `exoid.measurement.reading.given` takes them (they are then prepared),
     and return the Fit.
 
-    `physical` looks for the best parameters that some leg could have (`exoid.optimisation.linear.physical`), by IPOPT
-    with our certificate; NFO, which has no such conditions, is then left out. `Fit.held` says what that changed. Shape
+    `physical` looks for the best parameters that some machine could have (`exoid.optimisation.linear.physical`), with
+    our certificate; NFO and IPOPT are then left out. `Fit.held` says what that changed. Shape
     parameters are found on a grid or by an optimiser, and then by local searches; `Fit.agreeing` says how many of them
     ended in the same place.
     Refuses data that cannot determine as many parameters as the model has.
@@ -88,7 +88,7 @@ def identify(
     cautions = (
         *numerical(model, best, centre_shape, bool(model.shapes) and asked.shape is None),
         *unproven(stage),
-        *price(model, changed),
+        *price(model, changed, best.linear, spread.half_widths()),
         *own_numbers(model),
         *check_plausibility(model, best.linear, estimates, centre_shape),
     )
@@ -199,19 +199,16 @@ class _Proof:
 
     def stage(self, kind: str, found: Settled, shape: Float, delta: Float, centre: Float) -> FitStage:
         """Certify the exact solution and let the optimisers and IPOPT solve the same problem."""
+        runs: dict[str, OptimiserRun] = {}
+        reference = None
         if self.possible is not None:
-            certificate, runs, reference = self._physical(kind, found, delta, self.possible)
+            scope = f"{self.scope}, among those a {self.possible.machine} can have"
+            certificate = certify_physical(found.data, found.linear, delta, self.possible, scope=scope)
         else:
             certificate, runs, reference = self._free(kind, found, delta, centre)
         if reference is not None:
             reference = replace(reference, gap=_gap(reference.loss, certificate))
         return FitStage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
-
-    def _physical(self, kind: str, found: Settled, delta: Float, possible: Physics) -> _Solved:
-        scope = f"{self.scope}, among those a {possible.machine} can have"
-        certificate = certify_physical(found.data, found.linear, delta, possible, scope=scope)
-        self.say(f"IPOPT ({kind})")
-        return certificate, {}, physical_reference(found.data, delta, possible, solve_sse(found.data))
 
     def _free(self, kind: str, found: Settled, delta: Float, centre: Float) -> _Solved:
         data = found.data

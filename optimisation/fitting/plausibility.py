@@ -167,5 +167,8 @@ def _links(model: Model, linear: Float) -> list[Finding]:
 def _no_bodies(count: int) -> Finding:
     """Return the same of an arm in space. It is no warning: a hand's inertia is often smaller than its interval."""
     what = f"no bodies of positive mass and inertia have exactly Φ1 to Φ{count}"
-    remedy = "its torque prediction may still be good; faster motion of the last joints determines their small inertias"
+    remedy = (
+        "its torque prediction may still be good; --physical asks for the best fit that a machine can have, and faster "
+        "motion of the last joints determines their small inertias"
+    )
     return Finding("realisable", "info", what, f"Phi1..Phi{count}", 0.0, 0.0, remedy)

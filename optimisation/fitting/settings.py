@@ -47,7 +47,7 @@ class FitSettings(VerbSettings):
     start: Float | None = setting(None, "where shape parameters are searched, (S,) or (R, S), and only from there")
     delta: Float | None = setting(None, "thresholds (J,) of the Huber loss, fixed instead of by the 14 % rule")
     physical: bool = setting(
-        False, "only parameters that some leg could have: positive masses and inertias, friction that brakes"
+        False, "only parameters that some machine could have: positive masses and inertias, friction that brakes"
     )
     shape_search: str = setting(
         MULTISTART, "how shape parameters are looked for: multistart (a grid), nfo, or another optimiser"

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exoid.optimisation.linear.interior import nearest_inside
 from exoid.optimisation.linear.links import EXACT, nearest_matrices
 from exoid.symbolic.joints import HERE
 from exoid.symbolic.mechanics.spatial import AT, KINDS, MOMENTS, about_joint
@@ -24,6 +25,8 @@ from exoid.symbolic.motion import Float
 
 USUAL = 0.15
 """m that links measure where nothing says how long they are."""
+SHARES = (1.0, 0.1, 10.0)
+"""How heavy bodies are from which those at the edge of what is possible are looked for, of the known ones."""
 THICK = 0.4
 """Radius of gyration of a usual body about each axis, of its length."""
 
@@ -53,11 +56,15 @@ def body_of(numbers: Float) -> Body3D:
     return Body3D(mass, c, tensor - mass * (c @ c * np.eye(3) - np.outer(c, c)))
 
 
-def nearest_bodies(model: Model, phi: Float, near: Sequence[Body3D] | None = None) -> tuple[Body3D, ...] | None:
+def nearest_bodies(
+    model: Model, phi: Float, near: Sequence[Body3D] | None = None, *, patient: bool = False
+) -> tuple[Body3D, ...] | None:
     """Return bodies (J,) of a spatial `model` that have the base parameters `phi` (P,), nearest to `near` (default:
     usual ones); None where no bodies of positive mass have them.
+
+    `patient` finds, within seconds, also those that have hardly any room, as at the edge of what is possible.
     """
-    count, rows = len(model.joints), model.mixture.reshape(len(model.inertial), -1)
+    rows = model.mixture.reshape(len(model.inertial), -1)
     known = _usual(model, phi) if near is None else tuple(near)
     # In units of the known bodies all numbers are near one.
     before = np.array([pseudo_inertia(dict(zip(KINDS, one.numbers, strict=True))) for one in known])
@@ -65,13 +72,24 @@ def nearest_bodies(model: Model, phi: Float, near: Sequence[Body3D] | None = Non
     scale = unit[:, :, None] * unit[:, None, :]
     weights = np.einsum("pkn,nij->pkij", model.mixture, _WEIGHTS) * scale
     size = np.maximum(np.abs(weights).max(axis=(1, 2, 3)), np.abs(phi))
-    found = nearest_matrices(before / scale, weights / size[:, None, None, None], phi / size)
-    if found is None:
-        return None
-    numbers = np.einsum("kij,nij->kn", found.real * scale, _WEIGHTS)
+    start, weights, values = before / scale, weights / size[:, None, None, None], phi / size
+    nearest = nearest_matrices(start, weights, values)
+    found = None if nearest is None else _exactly(rows, nearest.real, scale, phi)
+    for share in SHARES if patient and found is None else ():
+        found = _exactly(rows, nearest_inside(share * start, weights, values), scale, phi)
+        if found is not None:
+            break
+    return found
+
+
+def _exactly(rows: Float, found: Float, scale: Float, phi: Float) -> tuple[Body3D, ...] | None:
+    """Return bodies (J,) with the pseudo-inertias `found` times `scale` (J, 4, 4) and exactly the base parameters `phi`
+    (P,), which are `rows` (P, 10 J) times their numbers; None where rounding left too much.
+    """
+    numbers = np.einsum("kij,nij->kn", found * scale, _WEIGHTS)
     units = np.maximum(np.abs(np.einsum("kij,nij->kn", scale, np.abs(_WEIGHTS))), 1e-300)
     wide = rows * units.ravel()
-    numbers = numbers - (units.ravel() * (np.linalg.pinv(wide) @ (rows @ numbers.ravel() - phi))).reshape(count, -1)
+    numbers = numbers - (units.ravel() * (np.linalg.pinv(wide) @ (rows @ numbers.ravel() - phi))).reshape(-1, 10)
     flat = numbers.ravel()
     wrong = np.abs(rows @ flat - phi) > EXACT * np.maximum(np.abs(rows) @ np.abs(flat), np.abs(phi))
     possible = [np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, one, strict=True))))[0] > 0.0 for one in numbers]
@@ -80,14 +98,18 @@ def nearest_bodies(model: Model, phi: Float, near: Sequence[Body3D] | None = Non
 
 def _usual(model: Model, phi: Float) -> tuple[Body3D, ...]:
     """Return round bodies as long as the way to the next joint, as heavy as the base parameters suggest."""
-    places = [np.array((joint.origin or HERE).xyz) for joint in model.joints]
-    long = [float(np.linalg.norm(place)) for place in places[1:]]
-    length = max(USUAL, float(np.mean(long))) if long else USUAL
     power = {"kg": 0, "kg·m": 1, "kg·m²": 2}
+    length = gyration(model) / THICK
     sizes = [abs(value) / length ** power[p.unit] for value, p in zip(phi, model.inertial, strict=True)]
     mass = max(sizes, default=1.0) or 1.0
-    body = Body3D(mass, np.zeros(3), mass * (THICK * length) ** 2 * np.eye(3))
+    body = Body3D(mass, np.zeros(3), mass * gyration(model) ** 2 * np.eye(3))
     return (body,) * len(model.joints)
+
+
+def gyration(model: Model) -> float:
+    """Return the radius of gyration, m, of a usual link of a spatial machine about each of its axes."""
+    long = [float(np.linalg.norm((joint.origin or HERE).xyz)) for joint in model.joints[1:]]
+    return THICK * (max(USUAL, float(np.mean(long))) if long else USUAL)
 
 
 def _weights() -> Float:

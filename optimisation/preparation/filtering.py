@@ -364,11 +364,12 @@ def _direction(
 
 
 def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -> Float:
-    """Return how a measured base moves at the working samples (N, 5), smoothed as the angles are."""
+    """Return how a measured base moves at the working samples (N, 5), in space (N, 12), smoothed as the angles are."""
     assert even.base is not None  # `prepare` has refused the recording otherwise
     smooth = low_pass_every(even.base, inner, even.rate, factor)
-    turning, swinging = derivatives(smooth[:, :1], rate)
-    return np.column_stack([smooth[:, :1], turning, swinging, smooth[:, 1:]])
+    angles = 1 if smooth.shape[1] == 3 else 3
+    turning, swinging = derivatives(smooth[:, :angles], rate)
+    return np.column_stack([smooth[:, :angles], turning, swinging, smooth[:, angles:]])
 
 
 def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:

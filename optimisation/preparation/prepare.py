@@ -24,7 +24,7 @@ from exoid.measurement.finding import Finding
 from exoid.measurement.forces import force_signals, unused_forces
 from exoid.measurement.overlap import held_apart
 from exoid.measurement.reading.given import Given, question_of
-from exoid.measurement.recording import Recording
+from exoid.measurement.recording import Recording, base_columns
 from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
 from exoid.measurement.signals.derivatives import check_method
 from exoid.measurement.signals.methods import BUTTERWORTH
@@ -217,7 +217,12 @@ def _refuse_driven(recording: Recording) -> None:
 def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return what is to be said about the bases of recordings; RecordingError where a measured one is missing."""
     if not model.moving_base:
-        moved = [(one, float(np.ptp(one.base[one.valid, 0]))) for one in recordings if one.base is not None]
+        turns = sum(unit == "rad" for unit in base_columns(model.joints).values())
+        moved = [
+            (one, float(np.ptp(one.base[one.valid, :turns], axis=0).max()))
+            for one in recordings
+            if one.base is not None
+        ]
         what = "the base turns by {:.2g} rad, and that of the model stands still"
         remedy = 'write [base] motion = "measured" into the model file'
         return tuple(
@@ -227,11 +232,13 @@ def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding,
         )
     for one in recordings:
         if one.base is None:
+            known = base_columns(model.joints)
+            angles, others = ([n for n, unit in known.items() if (unit == "rad") == turns] for turns in (True, False))
             raise RecordingError(
-                "the recording has no base_angle, and the base of the model is measured",
+                f"the recording has no {', '.join(angles)}, and the base of the model is measured",
                 where=one.source.path or one.name,
-                remedy="--map base_angle=COLUMN (rad; base_ax, base_az in m/s² where there are any), or "
-                '[base] motion = "fixed" where the base stood still',
+                remedy=f"--map {','.join(f'{name}=COLUMN' for name in angles)} (rad; {', '.join(others)} in m/s² where "
+                'there are any), or [base] motion = "fixed" where the base stood still',
             )
     return ()
 

@@ -221,7 +221,7 @@ _TITLE = "/* Written by `exoid generate` through SymPy and CasADi; never edited 
 def _loops(model: Model, memories: int, entries: int) -> str:
     """Return the C loops over samples; arrays are row by row, a sample per row."""
     joints = len(model.joints)
-    states = len(state_names(joints, model.moving_base, len(model.channels)))
+    states = len(state_names(joints, model.base_state, len(model.channels)))
     extras = {"forward_dynamics": joints, "jacobian": 1}
     text = f"\n/* Loops over samples: `state` (n, {states}), `memory` (n, K), `extra` and `out` row by row. */\n"
     text += '#ifdef __cplusplus\nextern "C" {\n#endif\n'
@@ -255,12 +255,12 @@ def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -
     parameters = [f"  {k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)]
     shapes = [f"  {k}: {in_comment(f'{s.name} [{s.shape.unit}]')}" for k, s in enumerate(model.shapes)]
     names, state = model.joint_names, state_names(
-        len(model.joints), model.moving_base, len(model.channels)
+        len(model.joints), model.base_state, len(model.channels)
     )
     table = [f"  {k}: {in_comment(f'Y[{names[j]}][{column_name(model, p)}]')}" for k, (j, p) in enumerate(entries)]
     sliding = "" if all(joint.turns for joint in model.joints) else "; m for rad where a joint slides"
     sliding += f"; {', '.join(model.channels)} in N or N m" if model.forces else ""
-    sliding += "; base_ax, base_az in m/s^2" if model.moving_base else ""
+    sliding += f"; {', '.join(n for n in model.base_state if '_a' in n)} in m/s^2" if model.moving_base else ""
     prototypes = "".join(
         f"\n/* {meaning} */\nvoid {PREFIX}_{name}_many(long n, const double *state, const double *linear,\n"
         "    const double *shape, const double *memory, const double *extra, double *out);\n"

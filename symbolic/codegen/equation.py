@@ -28,7 +28,7 @@ from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, point
 from exoid.symbolic.mechanics.rigid import changed, leg_columns, symbols_of
 from exoid.symbolic.mechanics.spatial import end_point
 from exoid.symbolic.mechanics.tree import offset_changes, tree_changes
-from exoid.symbolic.mechanics.virtual_work import force_torques
+from exoid.symbolic.mechanics.virtual_work import force_torques, space_force_torques
 
 if TYPE_CHECKING:
     from exoid.symbolic.model import Model
@@ -50,8 +50,8 @@ class MemorySignal:
 class Expressions:
     """A model in CasADi SX.
 
-    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `base_motion` (5, or 0 where it stands), `force` (C,), `linear` (P,),
-    `shape` (S,), `memory` (K,). `columns` holds
+    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `base_motion` (5, 12 in space, or 0 where it stands), `force` (C,),
+    `linear` (P,), `shape` (S,), `memory` (K,). `columns` holds
     (joint, parameter, expression) of every entry of the regressor that is not zero everywhere; `linear`
     serves there as reference, and P stands for what measured forces make without a number. `rigid`, `base`
     (rigid, friction and measured forces) and `torque` (all) are torques (J,) in N·m, `terms` the torque (J,) of each
@@ -106,6 +106,7 @@ class _Builder:
         self.numbers = {p.name: self.linear[k] for k, p in enumerate(model.parameters)}
         self.numbers |= {s.name: self.shape[k] for k, s in enumerate(model.shapes)}
         self.place = {p.name: k for k, p in enumerate(model.parameters)}
+        self.turned: list[Any] = []
         self.inputs: list[Any] = []
         self.memories: list[MemorySignal] = []
         self.columns: list[tuple[int, int, Any]] = []
@@ -114,7 +115,7 @@ class _Builder:
         self.longest = LONGEST_SYMBOLIC if symbols is None else len(model.joints)
 
     def _state_names(self) -> tuple[str, ...]:
-        return state_names(self.count, self.model.moving_base, len(self.model.channels))
+        return state_names(self.count, self.model.base_state, len(self.model.channels))
 
     def expressions(self) -> Expressions:
         ca = self.ca
@@ -170,12 +171,17 @@ class _Builder:
         known: list[Any] = [self.ca.SX(0)] * self.count
         names, first = force_names(len(model.channels)), 0
         for force in model.forces:
-            own = [real(name) for name in names[first : first + len(force.columns)]]
-            first += len(own)
+            called = names[first : first + len(force.columns)]
+            first += len(called)
             index = force.index(model.joints)
-            parts = [casadi_from_sympy(part, symbols) for part in force_torques(mechanism, force, index, own)]
+            if force.in_space:
+                torques = space_force_torques(model.joints, self.turned, force, [self.state[one] for one in called])
+                parts = [torques, [self.ca.SX(0)] * self.count]
+            else:
+                own = [real(name) for name in called]
+                parts = [casadi_from_sympy(part, symbols) for part in force_torques(mechanism, force, index, own)]
             for joint, (origin, along) in enumerate(zip(*parts, strict=True)):
-                at, gain = force.at, force.gain
+                at, gain = (None if isinstance(force.at, tuple) else force.at), force.gain
                 origin, along = force.sign * origin, force.sign * along
                 weights = {
                     f"{force.name}.at": (gain or 0.0) * along,
@@ -250,7 +256,10 @@ class _Builder:
             offset = casadi_from_sympy(offset_changes(mechanism), symbols)
             q = [angle + more for angle, more in zip(q, offset, strict=True)]
             added = casadi_from_sympy([*torques_added], symbols)
-        columns, rigid = spatial_columns(model, q, dq, ddq, self.linear)
+        self.turned = q
+        columns, rigid = spatial_columns(
+            model, q, dq, ddq, self.linear, [self.state[name] for name in model.base_state]
+        )
         first = len(self.columns)
         for p, column in enumerate(columns):
             rest = [self._without(entry, own) for entry in column]
@@ -343,7 +352,7 @@ class _Builder:
             dq=dq,
             ddq=ddq,
             sign=sign,
-            base_motion=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in BASE_STATE if n in self.state)),
+            base_motion=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in self.model.base_state)),
             force=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in force_names(len(self.model.channels)))),
             linear=self.linear,
             shape=self.shape,

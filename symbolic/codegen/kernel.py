@@ -129,7 +129,8 @@ class Compiled:
         if key not in kept:
             state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
             if moving:
-                state.append(np.zeros((len(motion), 5)) if motion.base is None else motion.base)
+                width = len(self.model.base_state)
+                state.append(np.zeros((len(motion), width)) if motion.base is None else motion.base)
             if pushed:
                 state.append(forces_of(motion, pushed))
             kept[key] = np.column_stack(state)

@@ -173,7 +173,8 @@ def _columns(joints: tuple[Joint, ...], gravity: Gravity, moving: bool) -> dict[
     if is_spatial(joints):
         wanted = [(link, kind) for link in range(len(joints)) for kind in KINDS]
         q, dq, ddq = _states(joints)
-        rows = link_columns(joints, pull_of(gravity), [*q], [*dq], [*ddq], np, wanted)
+        swaying = [*np.random.default_rng(SEED + 1).normal(size=(12, STATES))] if moving else []
+        rows = link_columns(joints, pull_of(gravity), [*q], [*dq], [*ddq], np, wanted, swaying)
         return {
             place: np.concatenate([still + torque for torque in row]) for place, row in zip(wanted, rows, strict=True)
         }

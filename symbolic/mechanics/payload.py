@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.ground.errors import ExoidError
-from exoid.symbolic.joints import JOINT_NAME
+from exoid.symbolic.joints import JOINT_NAME, Vector
+from exoid.symbolic.mechanics.spatial import about_joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, read_only
 
@@ -28,14 +29,15 @@ class PayloadError(ExoidError):
 
 @dataclass(frozen=True)
 class Payload:
-    """A small body of `mass` kg on the axis of `link`, `along` m from that link's upper joint.
+    """A small body of `mass` kg on the axis of `link`, `along` m from that link's upper joint; of a spatial machine at
+    `along` (3,) m in the frame of that joint.
 
     The links of the leg are its thigh and shank, those of another machine have the names of their joints, and "shank"
     means the last of them. PayloadError where the mass is not positive, or a number is not finite or far from any leg.
     """
 
     mass: float
-    along: float
+    along: float | Vector
     link: str = "shank"
 
     def __post_init__(self) -> None:
@@ -45,15 +47,26 @@ class Payload:
             raise PayloadError(
                 f"a payload of {self.mass:g} kg", where=str(self), remedy=f"give kg, more than 0, at most {HEAVIEST:g}"
             )
-        if not (math.isfinite(self.along) and abs(self.along) <= FARTHEST):
+        if isinstance(self.along, (list, tuple)):
+            object.__setattr__(self, "along", tuple(float(value) for value in self.along))
+        if len(self._place) not in (1, 3) or not all(abs(value) <= FARTHEST for value in self._place):
             raise PayloadError(
-                f"a payload {self.along:g} m down the {self.link}",
+                f"a payload {self.place} m down the {self.link}",
                 where=str(self),
-                remedy=f"give m from the link's upper joint, at most {FARTHEST:g}",
+                remedy=f"give m from the link's upper joint, at most {FARTHEST:g}: one number, in space three",
             )
 
     def __str__(self) -> str:
-        return f"{self.link}:{self.mass:g}@{self.along:g}"
+        return f"{self.link}:{self.mass:g}@{self.place}"
+
+    @property
+    def place(self) -> str:
+        """Where it is, as the command line takes it: "0.35", or "0,0,0.05" in space."""
+        return ",".join(f"{value:g}" for value in self._place)
+
+    @property
+    def _place(self) -> tuple[float, ...]:
+        return self.along if isinstance(self.along, tuple) else (self.along,)
 
     def numbers(self, thigh_length: float) -> Float:
         """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
@@ -61,14 +74,13 @@ class Payload:
 
     def added(self, model: Model) -> Float:
         """Return what it adds to the base parameters (P,) of a model's machine; PayloadError where that has no such
-        link, and for a spatial machine.
+        link, or other coordinates.
         """
-        if model.spatial:
-            raise PayloadError(
-                "a known mass hangs on the axis of a link, and those of a spatial machine have none",
-                where=str(self),
-                remedy="leave it out, and make a model file of the machine with that mass for such recordings",
-            )
+        if model.spatial != (len(self._place) == 3):
+            what, remedy = "on the axis of a link", "give one number, m along the link from its joint"
+            if model.spatial:
+                what, remedy = "in the frame of a joint", "give three numbers, m along its x, y and z: 2@0,0,0.05"
+            raise PayloadError(f"a mass of this machine is somewhere {what}", where=str(self), remedy=remedy)
         names = model.joint_names if model.chain else LINKS
         if self.link not in (*names, "shank"):
             raise self._no_link(" or ".join(names))
@@ -77,7 +89,9 @@ class Payload:
 
     @property
     def _own(self) -> Float:
-        """Its inertia, first moment and mass about the link's upper joint, (3,)."""
+        """Its inertia, first moment and mass about the link's upper joint, (3,), or its ten numbers in space."""
+        if isinstance(self.along, tuple):
+            return np.array([*about_joint(self.mass, self.along, np.zeros((3, 3))).values()])
         return self.mass * np.array([self.along**2, self.along, 1.0])
 
     def _no_link(self, links: str) -> PayloadError:

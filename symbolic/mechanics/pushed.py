@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from exoid.symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.force import LINK, NORMAL, TORQUE, VERTICAL, WORLD, Force
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, push_torques
+from exoid.symbolic.mechanics.spatial import wrench_torques
 from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
@@ -22,13 +23,17 @@ def pushed_torques(
     joints: tuple[Joint, ...], q: Float, force: Force, at: float, signals: Float, base: BaseMotion = STILL
 ) -> Float:
     """Return what a measured force, `signals` (N, C) `at` m along its link, asks of the drives (N, J) at `q` (N, J), by
-    Newton and Euler.
+    Newton and Euler. One in space is where it says itself.
     """
     index, out = force.index(joints), np.zeros(q.shape)
     if force.frame == TORQUE:
         out[:, index] = -signals[:, 0]
         return out
     zero = np.zeros(len(q))
+    if force.in_space:
+        turned = force.placed if force.frame == LINK else None
+        asked = wrench_torques(joints, [*q.T], index, force.placed.xyz, turned, [*signals.T], np)
+        return np.asarray(np.column_stack([row + zero for row in asked]))
     parts = {NORMAL: (zero, signals[:, 0]), VERTICAL: (zero, signals[:, 0]), WORLD: (signals[:, 0], signals[:, -1])}
     normal = force.frame == NORMAL
     asked = push_torques(joints, [*q.T], index, at, parts[force.frame], np, base, normal)

@@ -57,14 +57,15 @@ def about_joint(mass: Any, centre: Any, inertia: Any) -> dict[str, Any]:
 
 def link_columns(
     joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
-    wanted: Sequence[tuple[int, str]],
+    wanted: Sequence[tuple[int, str]], base: Sequence[Any] = (),
 ) -> list[list[Any]]:  # fmt: skip
     """Return the torque at every joint (J,) for one unit of each `wanted` (link, kind); N·m, or N where a joint slides.
 
     `q`, `dq`, `ddq` (J,) hold numbers, arrays or expressions of the library `lib`; `pull` (3,) m/s² is gravity in the
-    frame of the base.
+    frame of the base, or of the world where the `base` (12,) moves: its angles about the fixed axes x, y, z in this
+    order (rad), their rates, the rates of these, and the acceleration of its origin without gravity (m/s²).
     """
-    bodies, above = _bodies(joints, pull, q, dq, ddq, lib), parents(joints)
+    bodies, above = _bodies(joints, pull, q, dq, ddq, lib, base), parents(joints)
     found = []
     for link, kind in wanted:
         force, moment = _wrench(bodies[link], {kind: 1.0})
@@ -80,12 +81,12 @@ def link_columns(
 
 def joint_torques(
     joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
-    inertial: Sequence[Mapping[str, Any]],
+    inertial: Sequence[Mapping[str, Any]], base: Sequence[Any] = (),
 ) -> list[Any]:  # fmt: skip
     """Return the torque at every joint (J,) of links with the `inertial` parameters (J,), {kind: number}, those left
     out being zero; other arguments as of `link_columns`.
     """
-    bodies, above = _bodies(joints, pull, q, dq, ddq, lib), parents(joints)
+    bodies, above = _bodies(joints, pull, q, dq, ddq, lib, base), parents(joints)
     wrenches = [_wrench(body, own) for body, own in zip(bodies, inertial, strict=True)]
     torques: list[Any] = [0.0] * len(joints)
     for k in reversed(range(len(joints))):
@@ -94,6 +95,34 @@ def joint_torques(
         if (carrier := above[k]) is not None:
             carried = _carried(bodies[k], force, moment)
             wrenches[carrier] = tuple(_add(a, b) for a, b in zip(wrenches[carrier], carried, strict=True))  # type: ignore[assignment]
+    return torques
+
+
+def wrench_torques(
+    joints: Sequence[Joint], q: Sequence[Any], link: int, place: Vector, turned: Origin | None, wrench: Sequence[Any],
+    lib: Any,
+) -> list[Any]:  # fmt: skip
+    """Return what a force (3,), or a force and a moment (6,), on a `link` at `place` (3,) m in its frame asks of the
+    drives (J,), joint by joint down to the base.
+
+    Its parts are along the axes of a sensor that is `turned` in the link's frame, None: along those of the base.
+    """
+    force: Triple = (wrench[0], wrench[1], wrench[2])
+    moment: Triple = (wrench[3], wrench[4], wrench[5]) if len(wrench) == 6 else (0.0, 0.0, 0.0)
+    if turned is None:
+        rows = joint_frames(joints, q, lib)[link][0]
+        force, moment = _back(rows, force), _back(rows, moment)
+    else:
+        force, moment = _times(rotation(turned), force), _times(rotation(turned), moment)
+    moment = _add(moment, _cross(place, force))
+    above, torques = parents(joints), [0.0 * q[0]] * len(joints)
+    k: int | None = link
+    while k is not None:
+        torques[k] = -_dot(_axis(joints[k]), moment if joints[k].turns else force)
+        rows, origin = _step(joints[k], q[k], lib)
+        force, moment = _times(rows, force), _times(rows, moment)
+        moment = _add(moment, _cross(origin, force))
+        k = above[k]
     return torques
 
 
@@ -121,12 +150,7 @@ def end_point(joints: Sequence[Joint], q: Sequence[Any], reach: Any, lib: Any) -
 @lru_cache(maxsize=256)
 def rotation(origin: Origin) -> Rows:
     """Return how a frame at `origin` is turned in that of its carrier: its axes are the columns."""
-    (sr, sp, sy), (cr, cp, cy) = ([f(a) for a in origin.rpy] for f in (math.sin, math.cos))
-    rows = (
-        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-        (-sp, cp * sr, cp * cr),
-    )
+    rows = turned_by(*origin.rpy, math)
     exact = [[round(entry) + 0.0 if abs(entry - round(entry)) < EXACT else entry for entry in row] for row in rows]
     return tuple((a, b, c) for a, b, c in exact)  # type: ignore[return-value]
 
@@ -155,18 +179,22 @@ def _step(joint: Joint, q: Any, lib: Any) -> tuple[Rows, Triple]:
 
 
 def _bodies(
-    joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any
-) -> list[_Body]:
+    joints: Sequence[Joint], pull: Vector, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
+    base: Sequence[Any],
+) -> list[_Body]:  # fmt: skip
     bodies: list[_Body] = []
     still: Triple = (0.0, 0.0, 0.0)
+    against: Triple = (-pull[0], -pull[1], -pull[2])
+    carried = _moved(base, against, lib) if base else (still, still, against)
     for k, (joint, parent) in enumerate(zip(joints, parents(joints), strict=True)):
         turned, place = _step(joint, q[k], lib)
-        rate, turning, acceleration = still, still, (-pull[0], -pull[1], -pull[2])
+        rate, turning, acceleration = carried
         if parent is not None:
             above = bodies[parent]
-            rate, turning = above.rate, above.turning
+            rate, turning, acceleration = above.rate, above.turning, above.acceleration
+        if parent is not None or base:
             swing = _add(_cross(turning, place), _cross(rate, _cross(rate, place)))
-            acceleration = _add(above.acceleration, swing)
+            acceleration = _add(acceleration, swing)
         rate, turning, acceleration = (_back(turned, one) for one in (rate, turning, acceleration))
         axis = _axis(joint)
         moved = _scale(dq[k], axis)
@@ -177,6 +205,30 @@ def _bodies(
             acceleration = _add(acceleration, _add(_scale(ddq[k], axis), _scale(2.0, _cross(rate, moved))))
         bodies.append(_Body(turned, place, rate, turning, acceleration))
     return bodies
+
+
+def turned_by(roll: Any, pitch: Any, yaw: Any, lib: Any) -> Rows:
+    """Return the rotation by these angles (rad) about the fixed axes x, y, z in this order."""
+    (sr, sp, sy), (cr, cp, cy) = ([f(a) for a in (roll, pitch, yaw)] for f in (lib.sin, lib.cos))
+    return (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    )
+
+
+def _moved(base: Sequence[Any], against: Triple, lib: Any) -> tuple[Triple, Triple, Triple]:
+    """Return rate, angular acceleration and acceleration against gravity of a moving base, in its own frame."""
+    (r, p, _), (dr, dp, dy), (ar, ap, ay) = base[:3], base[3:6], base[6:9]
+    sr, cr, sp, cp = lib.sin(r), lib.cos(r), lib.sin(p), lib.cos(p)
+    rate = (dr - dy * sp, dp * cr + dy * cp * sr, dy * cp * cr - dp * sr)
+    turning = (
+        ar - ay * sp - dy * dp * cp,
+        ap * cr - dp * dr * sr + ay * cp * sr + dy * (dr * cp * cr - dp * sp * sr),
+        ay * cp * cr - ap * sr - dp * dr * cr - dy * (dp * sp * cr + dr * cp * sr),
+    )
+    rows = turned_by(base[0], base[1], base[2], lib)
+    return rate, turning, _back(rows, _add((base[9], base[10], base[11]), against))
 
 
 def _wrench(body: _Body, own: Mapping[str, Any]) -> tuple[Triple, Triple]:

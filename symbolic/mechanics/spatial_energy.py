@@ -14,27 +14,39 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from exoid.symbolic.joints import Joint, Vector
-from exoid.symbolic.mechanics.spatial import AT, MOMENTS, joint_frames
+from exoid.symbolic.mechanics.spatial import AT, MOMENTS, joint_frames, turned_by
 
 
 def lagrange_torques(
-    joints: Sequence[Joint], pull: Vector, q: Any, dq: Any, ddq: Any, inertial: Sequence[Mapping[str, Any]]
-) -> Any:
+    joints: Sequence[Joint], pull: Vector, q: Any, dq: Any, ddq: Any, inertial: Sequence[Mapping[str, Any]],
+    base: Any = None,
+) -> Any:  # fmt: skip
     """Return the torque (J,) of links with `inertial` parameters as a CasADi expression of the symbols `q`, `dq`, `ddq`
-    (J,); other arguments as of `spatial.joint_torques`.
+    (J,), and of `base` (12,) where that moves; other arguments as of `spatial.joint_torques`.
+
+    A base that turns makes the energies depend on time; one that is accelerated is one in another gravity.
     """
     import casadi
 
     kinetic, potential = casadi.SX(0), casadi.SX(0)
-    below = casadi.DM([0.0, 0.0, 0.0, 1.0])
+    below, weight = casadi.DM([0.0, 0.0, 0.0, 1.0]), casadi.DM(pull)
+    all_q, all_dq, all_ddq = q, dq, ddq
+    if base is not None:
+        all_q, all_dq, all_ddq = (
+            casadi.vertcat(own, base[3 * k : 3 * k + 3]) for k, own in enumerate((q, dq, ddq))
+        )
+        weight = weight - base[9:12]
+        turning = turned_by(base[0], base[1], base[2], casadi)
     for (turned, place), own in zip(joint_frames(joints, casadi.vertsplit(q), casadi), inertial, strict=True):
         at = casadi.blockcat([[*row, step] for row, step in zip(turned, place, strict=True)])
-        moved = casadi.reshape(casadi.jtimes(casadi.vec(at), q, dq), 3, 4)
+        if base is not None:
+            at = casadi.blockcat([[*row] for row in turning]) @ at
+        moved = casadi.reshape(casadi.jtimes(casadi.vec(at), all_q, all_dq), 3, 4)
         inertia = casadi.SX(pseudo_inertia(own))
         kinetic += 0.5 * casadi.trace(moved @ inertia @ moved.T)
-        potential -= casadi.dot(casadi.DM(pull), at @ inertia @ below)
+        potential -= casadi.dot(weight, at @ inertia @ below)
     momentum = casadi.gradient(kinetic, dq)
-    rate = casadi.jtimes(momentum, q, dq) + casadi.jtimes(momentum, dq, ddq)
+    rate = casadi.jtimes(momentum, all_q, all_dq) + casadi.jtimes(momentum, all_dq, all_ddq)
     return rate - casadi.gradient(kinetic, q) + casadi.gradient(potential, q)
 
 

@@ -10,11 +10,17 @@ from hypothesis import strategies as st
 from exoid.diagnosis.discover import discover
 from exoid.measurement.bench.hidden import parse_hidden
 from exoid.measurement.bench.leg import Leg, Segment, standard_leg
+from exoid.measurement.bench.machine import standard_machine
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.optimisation.fitting.identify import identify
 from exoid.symbolic import Model, Motion
 from exoid.symbolic.mechanics.payload import Payload, PayloadError
+from exoid.symbolic.robot_file import parse_robot
+from exoid.symbolic.spatial_machine import spatial_machine
+from exoid.workbench.command_line.inputs import payload_of
+from exoid.workbench.command_line.parser import UsageError
 from tests import newton_euler
+from tests.symbolic.arms import arm_text
 
 OWN = newton_euler.Leg((9.0, 5.0), (0.14, 0.11), (0.18, 0.22))
 
@@ -97,3 +103,48 @@ def test_a_load_that_was_not_named_is_left_out_and_said():
     assert [one.recording for one in found.left_out] == ["heavy_0"] and "a load (--payload)" in found.sentence
     named = discover(Model.standard(), [*bare, heavy.with_payload(3.0, 0.35)])
     assert named.verdict == "adequate" and not named.differing and not named.left_out
+
+
+ARM = spatial_machine(parse_robot(arm_text(7, 4, ("revolute", "revolute", "prismatic")).encode())).model
+
+
+def test_a_payload_in_space_is_pinocchios():
+    pin = pytest.importorskip("pinocchio")
+    robot = pin.buildModelFromXML(arm_text(7, 4, ("revolute", "revolute", "prismatic")))
+    place = (0.1, -0.2, 0.05)
+    heavy = robot.copy()
+    point = pin.Inertia(2.5, np.array(place), np.zeros((3, 3)))
+    heavy.appendBodyToJoint(heavy.getJointId("j2"), point, pin.SE3.Identity())
+    added = Payload(2.5, place, "j2").added(ARM)
+    q, dq, ddq = np.random.default_rng(1).normal(size=(3, 6, 4))
+    numbers = np.zeros(len(ARM.parameters))
+    found = ARM.torque(Motion(np.arange(6) * 0.1, q, dq, ddq, payload=added), numbers)
+    for k in range(6):
+        with_it, without = (pin.rnea(one, one.createData(), q[k], dq[k], ddq[k]) for one in (heavy, robot))
+        np.testing.assert_allclose(found[k], with_it - without, rtol=1e-9, atol=1e-9)
+
+
+def test_a_known_mass_tells_gains_of_an_arm_in_space():
+    hidden = (parse_hidden("drive_gain:j1=0.08"),)
+    bench, arm = Bench(duration=12.0), standard_machine(ARM)
+    load = Payload(3.0, (0.1, 0.1, 0.1))
+    runs = [simulate_runs(1, ARM, one, effects=hidden, seed=2, bench=bench)[0].recording
+            for one in (arm, arm.with_payload(load, ARM))]  # fmt: skip
+    model = ARM.with_effect("drive_gain:j1")
+    known = identify(model, [runs[0], runs[1].with_payload(3.0, (0.1, 0.1, 0.1))], optimisers=())
+    assert abs(known.estimate("drive_gain:j1.c").value - 0.08) < 0.02
+    unknown = identify(model, runs, optimisers=())
+    assert unknown.loss > 2.0 * known.loss, "as if nothing hung there"
+
+
+def test_a_place_has_as_many_coordinates_as_the_machine_needs():
+    with pytest.raises(PayloadError, match="in the frame of a joint"):
+        Payload(1.0, 0.2, "j1").added(ARM)
+    with pytest.raises(PayloadError, match="on the axis of a link"):
+        Payload(1.0, (0.0, 0.0, 0.2)).added(Model.standard())
+    with pytest.raises(PayloadError, match=r"a payload 0\.1,0\.2 m"):
+        Payload(1.0, (0.1, 0.2))
+    load = payload_of("j3:2@0,0,0.1")
+    assert load == Payload(2.0, (0.0, 0.0, 0.1), "j3") and payload_of(str(load)) == load
+    with pytest.raises(UsageError, match="KG@M"):
+        payload_of("2@0,0.1")

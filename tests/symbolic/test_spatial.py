@@ -215,7 +215,7 @@ HEAD = '[[joints]]\nname = "a"\n'
         (HEAD + "axis = [0, 0, 1]\norigin = { yaw = 1 }\n", "yaw"),
         ("gravity = [0, 0, -9.81]\n" + HEAD, "no joint has an axis"),
         ("gravity = [0, 0, -981]\n" + HEAD + "axis = [0, 0, 1]\n", "gravity is 981"),
-        (HEAD + 'axis = [0, 0, 1]\n[base]\nmotion = "measured"\n', "cannot be measured yet"),
+        (HEAD + 'axis = [0, 0, 1]\n[base]\nmotion = "swaying"\n', "unknown motion"),
         (HEAD + 'axis = [0, 0, 1]\n[wearer]\nmass = 70\nheight = 1.8\n', "cannot have that yet"),
     ],
 )  # fmt: skip

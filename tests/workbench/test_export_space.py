@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from exoid.ground.errors import EffectError
 from exoid.measurement.bench.simulation import simulate
 from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
-from exoid.optimisation.linear.physical import physics
-from exoid.symbolic.mechanics.payload import Payload, PayloadError
+from exoid.symbolic.mechanics.base_parameters import absorbed_rotors
 from exoid.symbolic.model_file import Numbers, read_model, write_model
 from exoid.symbolic.robot_file import parse_robot
 from exoid.symbolic.spatial_machine import spatial_machine
@@ -106,14 +104,6 @@ def test_bodies_that_are_known_stay_as_they_are():
         np.testing.assert_allclose(one.numbers, other.numbers, rtol=1e-6, atol=1e-9)
 
 
-def test_what_is_planar_alone_is_refused_in_words():
-    model, _ = identified()
-    with pytest.raises(EffectError, match="this one is spatial"):
-        physics(model)
-    with pytest.raises(PayloadError, match="spatial machine"):
-        Payload(1.0, 0.2, "j1").added(model)
-
-
 def test_the_bench_moves_an_arm():
     model, _ = identified(arm_text(6, 3))
     recording = simulate(model, duration=3.0)
@@ -135,3 +125,27 @@ def test_the_command_makes_a_model_of_an_arm(tmp_path, monkeypatch, capsys):
     (tmp_path / "m.toml").write_text(f"{bare}\n[identified.parameters]\n{lines}\n", encoding="utf-8")
     assert main(["export", "m.toml", "--out", "done", "--into", "arm.urdf", "--quiet"]) == 0
     assert (tmp_path / "done" / "arm_identified.urdf").is_file()
+
+
+def test_friction_rotors_and_springs_go_out_in_mujocos_conventions():
+    """MuJoCo's torque has its own damping, armature and springs, and frictionloss times the sign of the rate."""
+    mujoco = pytest.importorskip("mujoco")
+    model, given = identified(arm_text(6, 4, ("revolute", "revolute", "prismatic")))
+    joint = next(name for name, own in zip(model.joint_names, absorbed_rotors(model.chain), strict=True) if not own)
+    model = model.with_effect(f"rotor_inertia:{joint}").with_effect(f"joint_spring:{joint}")
+    more = {f"rotor_inertia:{joint}.c": 0.4, f"joint_spring:{joint}.k": 3.0, f"joint_spring:{joint}.c": -1.5}
+    given = Numbers({**given.linear, **more}, {}, None)
+    text = mjcf.write(ready(model, given), Options())["exoid_leg.xml"]
+    machine = mujoco.MjModel.from_xml_string(text)
+    loss = machine.dof_frictionloss.copy()
+    machine.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    on = motion(model)
+    wanted = model.torque(on, np.array([given.linear[p.name] for p in model.parameters]))
+    for k in range(0, len(on), 9):
+        state = mujoco.MjData(machine)
+        state.qpos, state.qvel, state.qacc = on.q[k], on.dq[k], on.ddq[k]
+        mujoco.mj_inverse(machine, state)
+        np.testing.assert_allclose(state.qfrc_inverse + loss * on.sign[k], wanted[k], rtol=1e-9, atol=1e-9)
+    content = urdf.write(ready(model, given), Options())["exoid_leg.urdf"]
+    assert f"cannot carry: rotor_inertia:{joint}, joint_spring:{joint}" in content
+    assert 'damping="0.7" friction="0.5"' in content

@@ -232,18 +232,23 @@ def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Paylo
 
 
 def payload_of(text: str) -> Payload:
-    """Return the payload that a text such as 2@0.35 or thigh:2@0.2 means; UsageError where it means none."""
+    """Return the payload that a text such as 2@0.35, thigh:2@0.2 or wrist:2@0,0,0.1 means; UsageError where it means
+    none.
+    """
     from exoid.symbolic.mechanics.payload import Payload
 
     link, colon, load = text.rpartition(":")
     mass, _, along = load.partition("@")
     try:
-        numbers = float(mass), float(along)
+        weight, place = float(mass), tuple(float(part) for part in along.split(","))
+        if len(place) not in (1, 3):
+            raise ValueError("one number, or three in space")
     except ValueError:
         raise UsageError(
-            f"{text!r} is not KG@M", where="--payload", remedy="write for example 2@0.35, or thigh:2@0.2 (kg, m)"
-        ) from None
-    return Payload(*numbers, link if colon else "shank")
+            f"{text!r} is not KG@M", where="--payload",
+            remedy="write for example 2@0.35, thigh:2@0.2, or in space 2@0,0,0.1 (kg, m)",
+        ) from None  # fmt: skip
+    return Payload(weight, (place[0], place[1], place[2]) if len(place) == 3 else place[0], link if colon else "shank")
 
 
 def refuse_repeats(fitted: Sequence[str], unseen: Sequence[str]) -> None:

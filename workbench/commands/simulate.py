@@ -36,7 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="seal the truth in a separate file and do not show it; without --effect it is drawn at random",
     )  # fmt: skip
     parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
-    parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the last link, M along it (2@0.35)")
+    parser.add_argument(
+        "--payload", metavar="KG@M",
+        help="hang a known mass on the last link, M along it (2@0.35), in space at X,Y,Z of its joint (2@0,0,0.1)",
+    )  # fmt: skip
     parser.add_argument(
         "--wearer", metavar="mass=KG,height=M", nargs="?", const="",
         help="a person in the leg, who pushes at its cuffs; told mass and height, with a limb of this size",

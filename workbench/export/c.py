@@ -105,7 +105,7 @@ void {n}_coriolis({_arguments("q dq > coriolis", size, extra)});
 
 def _extra(ready: Ready) -> dict[str, int]:
     """Return how many numbers the base's motion and the measured forces have, 0 where there are none."""
-    return {"base": 5 * ready.model.moving_base, "force": len(ready.model.channels)}
+    return {"base": len(ready.model.base_state), "force": len(ready.model.channels)}
 
 
 def _arguments(words: str, size: int, extra: Mapping[str, int]) -> str:
@@ -139,7 +139,10 @@ def _conventions(ready: Ready) -> str:
             "An angle is that from the parent link, at the base from the downward vertical. t in s since the"
         )
     lines.append("model's time began (only drifts use it).")
-    if model.moving_base:
+    if model.moving_base and model.spatial:
+        lines.append("base: angles about the fixed axes x, y, z in this order (rad), their rates, the rates of")
+        lines.append("these, acceleration along the world's x, y, z m/s^2, without gravity.")
+    elif model.moving_base:
         lines.append(
             "base: angle rad (added to the angles at the base), rad/s, rad/s^2, acceleration forwards and"
         )

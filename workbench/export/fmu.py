@@ -14,6 +14,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 from exoid.ground.errors import ExoidError
+from exoid.measurement.recording import force_unit
 from exoid.symbolic.joints import Joint
 from exoid.workbench.export import c
 from exoid.workbench.fmu import INPUT, OUTPUT, RATE, STATE, VERSIONS, FmuModel, FmuVariable, fmu_bytes
@@ -26,6 +27,12 @@ SIGN_WIDTH = 0.01
 """rad/s over which sgn fades in forward dynamics, where no other width is given."""
 BASE = (("base.angle", "rad"), ("base.velocity", "rad/s"), ("base.acceleration", "rad/s²"), ("base.ax", "m/s²"),
         ("base.az", "m/s²"))  # fmt: skip
+BASE_IN_SPACE = (
+    *((f"base.{angle}{after}", unit)
+      for after, unit in (("", "rad"), ("_velocity", "rad/s"), ("_acceleration", "rad/s²"))
+      for angle in ("roll", "pitch", "yaw")),
+    *((f"base.a{axis}", "m/s²") for axis in "xyz"),
+)  # fmt: skip
 
 
 def write(ready: Ready, options: Options) -> dict[str, bytes]:
@@ -140,8 +147,11 @@ def _signals(quantity: str, role: str, joints: Sequence[Joint]) -> list[FmuVaria
 
 def _outside(ready: Ready) -> list[FmuVariable]:
     """Return what comes from outside: the motion of the base, measured forces."""
-    found = [FmuVariable(name, INPUT, unit, "motion of the base") for name, unit in BASE if ready.model.moving_base]
-    return found + [FmuVariable(f"force.{one}", INPUT, "N", "measured, on the machine") for one in ready.model.channels]
+    base = BASE_IN_SPACE if ready.model.spatial else BASE
+    found = [FmuVariable(name, INPUT, unit, "motion of the base") for name, unit in base if ready.model.moving_base]
+    return found + [
+        FmuVariable(f"force.{one}", INPUT, force_unit(one), "measured, on the machine") for one in ready.model.channels
+    ]
 
 
 def _places(variables: Sequence[FmuVariable]) -> Callable[[str], int]:

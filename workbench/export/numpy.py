@@ -90,9 +90,9 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     size = len(model.joints)
     inputs: list[tuple[str, ...]] = [("t",)]
     inputs += [tuple(f"{x}[:, {j}]" for j in range(size)) for x in ("q", "dq", "ddq", "sign")]
-    inputs += [tuple(f"memory{k}" for k in range(len(ready.memories))), tuple(f"base[:, {k}]" for k in range(5))]
+    inputs += [tuple(f"memory{k}" for k in range(len(ready.memories)))]
+    inputs += [tuple(f"base[:, {k}]" for k, _ in enumerate(model.base_state))] if moving else []
     inputs += [tuple(f"force[:, {k}]" for k in range(len(model.channels)))]
-    inputs = [names for names in inputs if names[:1] != ("base[:, 0]",) or moving]
     body = []
     for k, memory in enumerate(ready.memories):
         body.append(scalar_c(memory.argument, inputs, f"x{k} = {{value}} + 0.0 * t", NUMPY))
@@ -109,6 +109,11 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
         if moving
         else ""
     )
+    if moving and model.spatial:
+        swaying = (
+            " `base` (N, 12) are the base's angles\n    about the fixed axes x, y, z (rad), their rates, the rates of "
+            "these, and its acceleration m/s²."
+        )
     pushed = f" `force` (N, {len(model.channels)}) are {', '.join(model.channels)}." if model.forces else ""
     outside = [name for name, there in (("base", moving), ("force", model.forces)) if there]
     arguments = ", ".join(["t, q, dq, ddq", *outside])

@@ -150,7 +150,7 @@ def _recordings(workspace: Workspace) -> list[str]:
         for joint in told.passive:
             out += ["--passive", f"{name}={joint}"]
         for load in told.payloads:
-            out += ["--payload", f"{name}={load.link}:{load.mass:g}@{load.along:g}"]
+            out += ["--payload", f"{name}={load}"]
     out += [] if workspace.cutoff is None else ["--cutoff", f"{workspace.cutoff:g}"]
     out += [] if workspace.derivative == BUTTERWORTH else ["--derivative", workspace.derivative]
     return [*out, "--seed", str(workspace.seed)] if workspace.seed else out

@@ -21,6 +21,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
     head = ["force", "columns", "acts on the link after the", "m along it", "95 % from", "to", "gain"]
     head += [f"torque at the {joint} [{model.torque_unit}, RMS]" for joint in model.joint_names]
     rows = [
-        (f.name, ", ".join(f.columns), f.link, f.at, f.low, f.high, f.gain, *f.torque) for f in found.forces
+        (
+            f.name, ", ".join(f.columns), f.link,
+            ", ".join(f"{x:.3g}" for x in f.at) if isinstance(f.at, tuple) else f.at, f.low, f.high, f.gain, *f.torque,
+        )
+        for f in found.forces
     ]
     return {"head": head, "rows": rows}
