@@ -7,7 +7,8 @@ documented interface, so that no text has to be searched and replaced.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import operator
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -110,3 +111,38 @@ def scalar_c(function: Any, inputs: Sequence[Sequence[str]], store: str, languag
         lines.append(language.line.format(place=f"v{step}", value=value))
         held[made[0]] = f"v{step}"
     return "\n".join(f"{language.indent}{line}" for line in lines)
+
+
+ARITHMETIC: Mapping[str, Callable[..., Any]] = MappingProxyType(
+    {
+        "ASSIGN": lambda a: a, "ADD": operator.add, "SUB": operator.sub, "MUL": operator.mul, "DIV": operator.truediv,
+        "NEG": operator.neg, "SQ": lambda a: a * a, "TWICE": lambda a: 2 * a, "INV": lambda a: 1 / a,
+        "POW": operator.pow, "CONSTPOW": operator.pow,
+    }
+)  # fmt: skip
+"""CasADi's operation in any kind of number that Python can reckon with."""
+
+
+def evaluated(
+    function: Any, inputs: Sequence[Any], operations: Mapping[str, Callable[..., Any]], number: Callable[[float], Any]
+) -> list[list[Any]]:
+    """Return the entries of every output of an SX `function` at `inputs`, one sequence for each argument, in the kind
+    of number that `operations`, by CasADi's names, and `number` make. KeyError for an operation that is not there.
+    """
+    import casadi
+
+    known = {getattr(casadi, f"OP_{name}"): does for name, does in operations.items()}
+    held: dict[int, Any] = {}
+    out: list[list[Any]] = [[number(0.0)] * function.nnz_out(k) for k in range(function.n_out())]
+    for step in range(function.n_instructions()):
+        operation = function.instruction_id(step)
+        given, made = function.instruction_input(step), function.instruction_output(step)
+        if operation == casadi.OP_OUTPUT:
+            out[made[0]][made[1]] = held[given[0]]
+        elif operation == casadi.OP_INPUT:
+            held[made[0]] = inputs[given[0]][given[1]]
+        elif operation == casadi.OP_CONST:
+            held[made[0]] = number(float(function.instruction_constant(step)))
+        else:
+            held[made[0]] = known[operation](*(held[place] for place in given))
+    return out
