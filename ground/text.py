@@ -1,9 +1,12 @@
-"""Text from outside (names of files, models and columns), made harmless for where it is going to stand."""
+"""Text from outside (names of files, models and columns), made harmless for where it is going to stand, and templates.
+"""
 
 from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Mapping
+from typing import Any
 
 _ACTING = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
 """Categories of characters that act instead of being seen: controls, direction marks, halves, line separators."""
@@ -26,6 +29,13 @@ def in_comment(text: str) -> str:
     """
     line = " ".join(printable(text).split()).replace("\\", "|").replace('"', "'")
     return re.sub(r"(?<=[?])(?=[?])|(?<=\*)(?=/)|(?<=/)(?=\*)|(?<=-)(?=-)", " ", line)
+
+
+def filled(text: str, values: Mapping[str, Any]) -> str:
+    """Return a template with a value for every @KEY@, one key after the other: a value may hold those that follow."""
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", str(value))
+    return text
 
 
 def _spelt(character: str) -> str:

@@ -106,7 +106,7 @@ def canonical_json(content: Any) -> str:
 def generator_key() -> str:
     """Return the hash of the code that derives and generates: any change in it makes every compiled model stale."""
     folder = Path(__file__).parents[1]
-    files = [path for part in GENERATING for path in sorted((folder / part).glob("*.py"))]
+    files = [path for part in GENERATING for path in sorted((folder / part).glob("*.*"))]
     return sha256("".join(sha256(path.read_bytes()) for path in files))
 
 

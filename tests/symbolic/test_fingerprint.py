@@ -13,7 +13,7 @@ def copied(tmp_path, monkeypatch):
     original = Path(fingerprint.__file__).parents[1]
     for part in fingerprint.GENERATING:
         (tmp_path / "symbolic" / part).mkdir(parents=True)
-        for path in (original / part).glob("*.py"):
+        for path in (original / part).glob("*.*"):
             (tmp_path / "symbolic" / part / path.name).write_bytes(path.read_bytes())
     monkeypatch.setattr(fingerprint, "__file__", str(tmp_path / "symbolic" / "codegen" / "fingerprint.py"))
     return tmp_path / "symbolic"
