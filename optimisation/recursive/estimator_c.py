@@ -17,7 +17,7 @@ from exoid.symbolic.codegen.compiler import EXACT
 
 
 @cache
-def part(name: str) -> str:
+def part_of_c(name: str) -> str:
     """Return a part of the C by its name: `fields.h`, what the estimator holds; `step.c`, `forget.c`, `spread.c`, what
     it does; `kernel.c`, all of it for many samples.
     """
@@ -34,8 +34,8 @@ def layout(count: int, joints: int) -> np.dtype[Any]:
 
 def kernel(values: Mapping[str, Any]) -> Any:
     """Return the compiled function for the constants `values`; None without a compiler."""
-    parts = {"FIELDS": part("fields.h"), "ESTIMATION": part("step.c"), "TYPE": "exoid_estimator"}
-    found = _loaded(filled(part("kernel.c"), parts | dict(values)))
+    parts = {"FIELDS": part_of_c("fields.h"), "ESTIMATION": part_of_c("step.c"), "TYPE": "exoid_estimator"}
+    found = _loaded(filled(part_of_c("kernel.c"), parts | dict(values)))
     return None if found is None else found.c.exoid_estimate
 
 
