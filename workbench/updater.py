@@ -56,8 +56,8 @@ def write_updater(
     start = first_estimator(model, linear, unit, filters.working / filters.stride)
     joints, count = len(model.joints), len(model.parameters)
     values = {
-        "FIELDS": part_of_c("fields.h").rstrip(), "ESTIMATION": part_of_c("step.c"), "FORGETTING": part_of_c("forget.c"),
-        "SPREADING": part_of_c("spread.c"), "DIFFERENCE": _list(DIFFERENCE),
+        "FIELDS": part_of_c("fields.h").rstrip(), "ESTIMATION": part_of_c("step.c"),
+        "FORGETTING": part_of_c("forget.c"), "SPREADING": part_of_c("spread.c"), "DIFFERENCE": _list(DIFFERENCE),
         "QUIET": repr(MIDDLE * float(DIFFERENCE @ DIFFERENCE)), "LISTEN": repr(following(filters.rate)),
         "ROUGH": repr(filters.roughness),
         "TYPE": f"{name}_updater", "name": name, "guard": f"{name}_updater_h".upper(),
