@@ -53,11 +53,8 @@ def joined_pieces(
     angles = [f"q{k + 1}" for k in range(len(joints))]
     base = next((piece for piece in pieces if {*angles} <= set(piece.columns)), None)
     if base is None:
-        raise RecordingError(
-            "none of the files has the angles of all joints",
-            where=pieces[0].where,
-            remedy=f"name the columns with --map {','.join(f'{name}=COLUMN' for name in angles)}",
-        )
+        remedy = f"name the columns with --map {','.join(f'{name}=COLUMN' for name in angles)}"
+        raise RecordingError("none of the files has the angles of all joints", where=pieces[0].where, remedy=remedy)
     given = {id(piece): lag for piece, (_, _, lag, _) in zip(pieces, tables, strict=True)}
     columns = dict(base.columns)
     notes = [note for piece in pieces for note in piece.table.notes]
@@ -98,11 +95,8 @@ def _piece(table: RawTable, where: str, told: StatedMapping, joints: tuple[Joint
     found = assign(table, replace(told, columns=mapping, units=units), where=where, joints=joints, partial=True)
     if "t" not in found or len(found) < 2:
         lacks = "no time" if "t" not in found else "neither angles nor torques"
-        raise RecordingError(
-            f"{lacks} was found in the file",
-            where=where,
-            remedy="say which column it is: --map t=COLUMN, q1=COLUMN, ...",
-        )
+        what = f"{lacks} was found in the file"
+        raise RecordingError(what, where=where, remedy="say which column it is: --map t=COLUMN, q1=COLUMN, ...")
     columns = {name: item.column.values * item.factor for name, item in found.items()}
     t = columns.pop("t")
     epoch = None if found["t"].told else clock.epoch_unit(t)

@@ -125,11 +125,8 @@ def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, repl
     if old and old[-1] == mapping:
         return path
     if old and not replacing:
-        raise RecordingError(
-            f"another mapping for the same columns is kept there ({old[-1]})",
-            where=str(path),
-            remedy="--replace puts the new one in its place",
-        )
+        what = f"another mapping for the same columns is kept there ({old[-1]})"
+        raise RecordingError(what, where=str(path), remedy="--replace puts the new one in its place")
     elsewhere = "--out DIR keeps it elsewhere, beside a copy of the recordings"
     with refused(RecordingError, "the mapping cannot be written ({})", path, elsewhere):
         refuse_links(path, folder)
@@ -148,11 +145,8 @@ def mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str,
         found = factors[0] if len(factors) == 1 else _product(wanted, factors)
         double = [other for other, column in chosen.items() if column is found]
         if double:
-            raise RecordingError(
-                f"column {wanted!r} is mapped to both {double[0]} and {name}",
-                where=where,
-                remedy="map each column once",
-            )
+            what = f"column {wanted!r} is mapped to both {double[0]} and {name}"
+            raise RecordingError(what, where=where, remedy="map each column once")
         chosen[name] = found
     return chosen
 

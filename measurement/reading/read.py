@@ -307,11 +307,8 @@ def _format_of(path: Path) -> ModuleType:
         chosen = [m for m in by_content if m in by_suffix] or by_content
     if not chosen:
         known = ", ".join(suffix for module in find_formats() for suffix in module.SUFFIXES)
-        raise RecordingError(
-            f"files of type {path.suffix or '(no suffix)'} are not read",
-            where=str(path),
-            remedy=f"known: {known}",
-        )
+        what = f"files of type {path.suffix or '(no suffix)'} are not read"
+        raise RecordingError(what, where=str(path), remedy=f"known: {known}")
     return chosen[0]
 
 

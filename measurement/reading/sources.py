@@ -194,11 +194,9 @@ def opened(path: Path) -> Iterator[Path]:
             return
         found = members(path)
         if len(found) > 1:
-            raise RecordingError(
-                f"the archive holds {len(found)} recordings: {', '.join(found[:8])}",
-                where=str(path),
-                remedy=f"name one: {path}/{found[0]}, or read them all with read_recordings",
-            )
+            what = f"the archive holds {len(found)} recordings: {', '.join(found[:8])}"
+            remedy = f"name one: {path}/{found[0]}, or read them all with read_recordings"
+            raise RecordingError(what, where=str(path), remedy=remedy)
         inside = path, found[0]
     archive, member = inside
     with tempfile.TemporaryDirectory(prefix="exoid-") as folder:
@@ -234,11 +232,8 @@ def _check(path: Path) -> None:
             raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path))
         kind = path.stat()
     if stat.S_ISDIR(kind.st_mode) and not is_bag(path):
-        raise RecordingError(
-            "this is a folder, not a recording",
-            where=str(path),
-            remedy=f"name one of its files, {path}/*.csv; read_recordings reads them all",
-        )
+        remedy = f"name one of its files, {path}/*.csv; read_recordings reads them all"
+        raise RecordingError("this is a folder, not a recording", where=str(path), remedy=remedy)
     if not (stat.S_ISREG(kind.st_mode) or is_bag(path)):
         raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")
 

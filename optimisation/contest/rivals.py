@@ -75,11 +75,8 @@ def rivals(
     if isinstance(subject, Excitation):
         asked = replace(asked, problem="excitation", criterion=subject.criterion)
     if asked.seeds < 2:
-        raise ContestError(
-            "one seed cannot show run-to-run variation",
-            where=f"--seeds {asked.seeds}",
-            remedy=f"give two at least, better {SEEDS}",
-        )
+        what = "one seed cannot show run-to-run variation"
+        raise ContestError(what, where=f"--seeds {asked.seeds}", remedy=f"give two at least, better {SEEDS}")
     contest = _contest(subject, recordings, asked)
     searches = _searches(asked)
     seeds = range(asked.seed, asked.seed + asked.seeds)

@@ -46,11 +46,8 @@ class Payload:
                 f"a payload of {self.mass:g} kg", where=str(self), remedy=f"give kg, more than 0, at most {HEAVIEST:g}"
             )
         if not (math.isfinite(self.along) and abs(self.along) <= FARTHEST):
-            raise PayloadError(
-                f"a payload {self.along:g} m down the {self.link}",
-                where=str(self),
-                remedy=f"give m from the link's upper joint, at most {FARTHEST:g}",
-            )
+            remedy = f"give m from the link's upper joint, at most {FARTHEST:g}"
+            raise PayloadError(f"a payload {self.along:g} m down the {self.link}", where=str(self), remedy=remedy)
 
     def __str__(self) -> str:
         return f"{self.link}:{self.mass:g}@{self.along:g}"
@@ -64,11 +61,9 @@ class Payload:
         link, and for a spatial machine.
         """
         if model.spatial:
-            raise PayloadError(
-                "a known mass hangs on the axis of a link, and those of a spatial machine have none",
-                where=str(self),
-                remedy="leave it out, and make a model file of the machine with that mass for such recordings",
-            )
+            what = "a known mass hangs on the axis of a link, and those of a spatial machine have none"
+            remedy = "leave it out, and make a model file of the machine with that mass for such recordings"
+            raise PayloadError(what, where=str(self), remedy=remedy)
         names = model.joint_names if model.chain else LINKS
         if self.link not in (*names, "shank"):
             raise self._no_link(" or ".join(names))

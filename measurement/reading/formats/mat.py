@@ -120,10 +120,8 @@ def _with_objects(path: Path) -> RawTable | None:
     except Exception:  # noqa: BLE001 - as below
         return None
     if short:
-        raise RecordingError(
-            "the MATLAB file is damaged: a timetable announces more rows than it holds",
-            where=str(path), remedy="save the timetable again",
-        )  # fmt: skip
+        what = "the MATLAB file is damaged: a timetable announces more rows than it holds"
+        raise RecordingError(what, where=str(path), remedy="save the timetable again")
     try:
         content = matio.load_from_mat(str(path), add_table_attrs=True)
         for name, value in content.items():
