@@ -1,5 +1,4 @@
-"""Text from outside (names of files, models and columns), made harmless for where it is going to stand, and templates.
-"""
+"""Text from outside (names of files, models and columns), made harmless for where it is going to stand, and templates."""
 
 from __future__ import annotations
 
@@ -19,7 +18,8 @@ def printable(text: str) -> str:
     """
     if text.isascii() and text.replace("\n", "").isprintable():
         return text
-    return "".join(c if c in "\n\t" or unicodedata.category(c) not in _ACTING else _spelt(c) for c in text)
+    seen = (c in "\n\t" or unicodedata.category(c) not in _ACTING for c in text)
+    return "".join(c if keep else ascii(c)[1:-1] for c, keep in zip(text, seen, strict=True))
 
 
 def in_comment(text: str) -> str:
@@ -36,7 +36,3 @@ def filled(text: str, values: Mapping[str, Any]) -> str:
     for key, value in values.items():
         text = text.replace(f"@{key}@", str(value))
     return text
-
-
-def _spelt(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")
