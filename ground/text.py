@@ -1,4 +1,4 @@
-"""Text from outside (names of files, models and columns), made harmless for where it is going to stand, and templates."""
+"""Text from outside (names of files, models and columns), made harmless for where it will stand, and templates."""
 
 from __future__ import annotations
 
