@@ -139,9 +139,8 @@ def _check_word(effect: Any, key: str) -> None:
         what = f"{key[:60]!r} is not a name"
         raise EffectError(what, where=where, remedy="use up to 40 ASCII letters, digits and _, beginning with a letter")
     if key in RESERVED or stem_of(key):
-        raise EffectError(
-            f"{key} already means something else in torque texts", where=where, remedy="choose another name"
-        )
+        remedy = "choose another name"
+        raise EffectError(f"{key} already means something else in torque texts", where=where, remedy=remedy)
     if key in effect.coefficients and key in effect.shape:
         raise EffectError(f"{key} is declared as a coefficient and as a shape", where=where, remedy="keep one of them")
 
@@ -156,9 +155,8 @@ def _check_coefficient(where: str, coefficient: Any) -> None:
 def _check_shape(where: str, shape: Any) -> None:
     """Check unit, bounds, choices and grid of a shape."""
     if not (math.isfinite(shape.min) and math.isfinite(shape.max)):
-        raise EffectError(
-            f"the bounds are {shape.min!r} and {shape.max!r}", where=where, remedy="give two finite numbers"
-        )
+        remedy = "give two finite numbers"
+        raise EffectError(f"the bounds are {shape.min!r} and {shape.max!r}", where=where, remedy=remedy)
     _check_bounds(where, shape.unit, shape.min, shape.max, shape.typical)
     if not all(shape.min <= choice <= shape.max for choice in shape.choices):
         what = f"the choices {shape.choices!r} do not lie within the bounds"

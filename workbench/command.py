@@ -83,9 +83,8 @@ def load_verb(verb: str) -> ModuleType:
     """Import the module of one command; raises UsageError with a suggestion when there is none."""
     verbs = find_verbs()
     if verb not in verbs:
-        raise UsageError(
-            f"there is no command {verb!r}", remedy=did_you_mean(verb, verbs) or f"known: {', '.join(verbs)}"
-        )
+        what = f"there is no command {verb!r}"
+        raise UsageError(what, remedy=did_you_mean(verb, verbs) or f"known: {', '.join(verbs)}")
     return importlib.import_module(f"{commands.__name__}.{verb}")
 
 

@@ -16,7 +16,7 @@ Source: Moreau, "Numerical aspects of the sweeping process", Comput. Methods App
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -50,7 +50,9 @@ def _dahl(value: Any, old: Any, new: Any, sigma: Any) -> Any:
     return side + (value - side) * ca.exp(-sigma * ca.fabs(new - old))
 
 
-REMEMBERED = {"play": (lambda x: x, _play), "dahl": (lambda x: 0.0 * x, _dahl)}
+REMEMBERED: dict[str, tuple[Callable[[Any], Any], Callable[..., Any]]] = {
+    "play": (lambda x: x, _play), "dahl": (lambda x: 0.0 * x, _dahl)
+}  # fmt: skip
 """Operators that the leg itself can have, because their state moves with the joint: `start(x)` is the value when it is
 switched on, `update(value, old_x, new_x, parameter)` the value after x moved on; all in CasADi SX."""
 

@@ -70,9 +70,8 @@ def joined_pieces(
                 columns[name] = onto(base.t + lag, piece.t, values)
     covered = [np.isfinite(values) for name, values in columns.items() if name not in base.columns]
     if covered and not np.any(np.all(covered, axis=0)):
-        raise RecordingError(
-            "the files do not overlap in time", where=base.where, remedy="are these files of the same trial?"
-        )
+        what = "the files do not overlap in time"
+        raise RecordingError(what, where=base.where, remedy="are these files of the same trial?")
     first = base.t[0]
     made = [RawColumn("t", base.t - first, "s")]
     made += [
@@ -115,9 +114,8 @@ def _unit(t: Float, columns: Mapping[str, Float], where: str) -> float:
         raise RecordingError("the clock does not run", where=where, remedy="is this the time? --map t=COLUMN")
     unit, scale = clock.clock_unit(t[good], signals[good])
     if unit == "index":
-        raise RecordingError(
-            "the time column counts 0, 1, 2, ...", where=where, remedy="say what one count is: --units 't=10 ms'"
-        )
+        what = "the time column counts 0, 1, 2, ..."
+        raise RecordingError(what, where=where, remedy="say what one count is: --units 't=10 ms'")
     return scale
 
 

@@ -167,9 +167,8 @@ def _called(table: RawTable, wanted: str, name: str, where: str) -> RawColumn:
     hint = f"did you mean {close[0]!r}? " if close and not found else ""
     what = "is not in the file" if not found else f"stands {len(found)} times in the file"
     hint = f"write {wanted}#1 for the first of them. " if found else hint
-    raise RecordingError(
-        f"column {wanted!r} ({name}) {what}", where=where, remedy=f"{hint}columns found: {listed(table.names)}"
-    )
+    remedy = f"{hint}columns found: {listed(table.names)}"
+    raise RecordingError(f"column {wanted!r} ({name}) {what}", where=where, remedy=remedy)
 
 
 def _product(text: str, factors: tuple[RawColumn, ...]) -> RawColumn:

@@ -110,9 +110,8 @@ def _contest(subject: Any, recordings: Any, asked: ContestSettings) -> ContestSu
         return subject
     if asked.problem == "excitation":
         if recordings or not (subject is None or isinstance(subject, (Model, Excitation))):
-            raise ContestError(
-                "motions compete on a model alone", remedy="give no recordings and no fit, or leave out `problem`"
-            )
+            what = "motions compete on a model alone"
+            raise ContestError(what, remedy="give no recordings and no fit, or leave out `problem`")
         found = subject if isinstance(subject, Excitation) else None
         model = subject.model if isinstance(subject, Excitation) else subject
         return motion_contest(model, asked.criterion, asked.seed, asked.individuals, asked.generations, found)

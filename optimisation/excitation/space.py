@@ -117,9 +117,8 @@ def motion_space(
         remedy = f"give a period of {SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s and 1 to 20 harmonics"
         raise TrajectoryError(f"a motion of {period:g} s with {harmonics} harmonics", remedy=remedy)
     if rest and harmonics < 2:
-        raise TrajectoryError(
-            "with one harmonic nothing but standing still starts at rest", remedy="use at least two harmonics"
-        )
+        what = "with one harmonic nothing but standing still starts at rest"
+        raise TrajectoryError(what, remedy="use at least two harmonics")
     if offsets not in OFFSETS:
         raise TrajectoryError(f"offsets {offsets!r}", remedy=f"one of: {', '.join(OFFSETS)}")
     rates = np.arange(1, harmonics + 1) * (2.0 * np.pi / period)

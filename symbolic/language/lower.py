@@ -166,9 +166,8 @@ def known(name: str, env: Mapping[str, Any]) -> Any:
         return env[name]
     if name in CONSTANTS:
         return CONSTANTS[name]
-    raise ExpressionError(
-        f"{name!r} has no value here", where=name, remedy="values are given for: " + ", ".join(sorted(env))
-    )
+    what = f"{name!r} has no value here"
+    raise ExpressionError(what, where=name, remedy="values are given for: " + ", ".join(sorted(env)))
 
 
 def with_memory(word: str, t: Any, x: Any, *parameter: Any) -> Float:

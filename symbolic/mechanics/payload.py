@@ -42,9 +42,8 @@ class Payload:
         if not JOINT_NAME.fullmatch(self.link):
             raise self._no_link("thigh or shank")
         if not (math.isfinite(self.mass) and 0.0 < self.mass <= HEAVIEST):
-            raise PayloadError(
-                f"a payload of {self.mass:g} kg", where=str(self), remedy=f"give kg, more than 0, at most {HEAVIEST:g}"
-            )
+            what = f"a payload of {self.mass:g} kg"
+            raise PayloadError(what, where=str(self), remedy=f"give kg, more than 0, at most {HEAVIEST:g}")
         if not (math.isfinite(self.along) and abs(self.along) <= FARTHEST):
             remedy = f"give m from the link's upper joint, at most {FARTHEST:g}"
             raise PayloadError(f"a payload {self.along:g} m down the {self.link}", where=str(self), remedy=remedy)

@@ -236,9 +236,8 @@ def payload_of(text: str) -> Payload:
     try:
         numbers = float(mass), float(along)
     except ValueError:
-        raise UsageError(
-            f"{text!r} is not KG@M", where="--payload", remedy="write for example 2@0.35, or thigh:2@0.2 (kg, m)"
-        ) from None
+        what = f"{text!r} is not KG@M"
+        raise UsageError(what, where="--payload", remedy="write for example 2@0.35, or thigh:2@0.2 (kg, m)") from None
     return Payload(*numbers, link if colon else "shank")
 
 
@@ -271,9 +270,8 @@ def check_new_model(target: str, source: str | None) -> None:
     if target == "-":
         raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")
     if source is not None and os.path.realpath(target) == os.path.realpath(source):
-        raise OutputError(
-            "this would overwrite the model it was made from", where=target, remedy="choose another file name"
-        )
+        what = "this would overwrite the model it was made from"
+        raise OutputError(what, where=target, remedy="choose another file name")
     check_target(target, _is_model)
 
 

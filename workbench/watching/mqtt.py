@@ -55,9 +55,8 @@ class Broker:
         try:
             self.client.connect(parts.hostname, parts.port or PORTS[parts.scheme])
         except (OSError, ValueError) as error:
-            raise ExoidError(
-                f"the MQTT broker cannot be reached: {error}", where=address, remedy="check host and port"
-            ) from error
+            remedy = "check host and port"
+            raise ExoidError(f"the MQTT broker cannot be reached: {error}", where=address, remedy=remedy) from error
         self.client.loop_start()
         if not self.answered.wait(LAST) or self.reason:
             self.client.loop_stop()

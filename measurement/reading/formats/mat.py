@@ -82,9 +82,8 @@ def _is_safe_with_objects(path: Path) -> bool:
         for key in group:
             budget.count()
             if not isinstance(group.get(key, getlink=True), h5py.HardLink):
-                raise RecordingError(
-                    f"{key[:40]} is a link to elsewhere, which is not followed", where=str(path), remedy="save it again"
-                )
+                what = f"{key[:40]} is a link to elsewhere, which is not followed"
+                raise RecordingError(what, where=str(path), remedy="save it again")
             item = group[key]
             if isinstance(item, h5py.Group):
                 walk(item)
