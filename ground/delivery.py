@@ -17,7 +17,6 @@ import shutil
 import signal
 import stat
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
@@ -26,6 +25,7 @@ from pathlib import Path
 from typing import IO
 
 from exoid.ground.inside import is_inside, refuse_links
+from exoid.ground.signals import handled
 
 PREFIX, SUFFIX = ".exoid-", ".part"
 ABANDONED = 86_400.0
@@ -327,22 +327,14 @@ def sweep(folder: Path, *patterns: str, age: float = ABANDONED) -> None:
 @contextlib.contextmanager
 def _undisturbed() -> Iterator[None]:
     """Hold Ctrl-C, SIGTERM and SIGHUP back for the moment in which files change places."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals are the main thread's
-        return
     held: list[int] = []
-    # Not by a mask: another thread, such as one of a numerical library, would take the signal and hand it on.
-    before = {number: signal.signal(number, lambda got, _: held.append(got)) for number in _SIGNALS}
     try:
-        yield
+        # Not by a mask: another thread, such as one of a numerical library, would take the signal and hand it on.
+        with handled(lambda number, _: held.append(number), "SIGINT", "SIGTERM", "SIGHUP"):
+            yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)
         if held:
             signal.raise_signal(held[0])
-
-
-_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 def _umask() -> int:

@@ -1,9 +1,11 @@
-"""Text from outside (names of files, models and columns), made harmless for where it is going to stand."""
+"""Text from outside (names of files, models and columns), made harmless for where it will stand, and templates."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Mapping
+from typing import Any
 
 _ACTING = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
 """Categories of characters that act instead of being seen: controls, direction marks, halves, line separators."""
@@ -16,7 +18,8 @@ def printable(text: str) -> str:
     """
     if text.isascii() and text.replace("\n", "").isprintable():
         return text
-    return "".join(c if c in "\n\t" or unicodedata.category(c) not in _ACTING else _spelt(c) for c in text)
+    seen = (c in "\n\t" or unicodedata.category(c) not in _ACTING for c in text)
+    return "".join(c if keep else ascii(c)[1:-1] for c, keep in zip(text, seen, strict=True))
 
 
 def in_comment(text: str) -> str:
@@ -28,5 +31,8 @@ def in_comment(text: str) -> str:
     return re.sub(r"(?<=[?])(?=[?])|(?<=\*)(?=/)|(?<=/)(?=\*)|(?<=-)(?=-)", " ", line)
 
 
-def _spelt(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")
+def filled(text: str, values: Mapping[str, Any]) -> str:
+    """Return a template with a value for every @KEY@, one key after the other: a value may hold those that follow."""
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", str(value))
+    return text

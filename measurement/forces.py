@@ -95,11 +95,9 @@ def force_signals(model: Model, recording: Recording) -> Float | None:
     lacking = [name for name in model.channels if name not in recording.forces]
     if lacking:
         owner = next(force.name for force in model.forces if lacking[0] in force.columns)
-        raise RecordingError(
-            f"the recording has no {_listed(lacking)}, and the model has the force {owner!r}",
-            where=recording.source.path or recording.name,
-            remedy=f"--map {lacking[0]}=COLUMN, or leave the force out of the model file",
-        )
+        what = f"the recording has no {_listed(lacking)}, and the model has the force {owner!r}"
+        remedy = f"--map {lacking[0]}=COLUMN, or leave the force out of the model file"
+        raise RecordingError(what, where=recording.source.path or recording.name, remedy=remedy)
     out = []
     for force in model.forces:
         for name in force.columns:

@@ -171,18 +171,9 @@ def _once(
             if found is None:
                 continue
             whole = found.share > WHOLE
-            findings.append(
-                Finding(
-                    "overlap",
-                    "warning",
-                    f"{found.sentence}; {'it is' if whole else 'these samples are'} left out, so that each counts once",
-                    _name(one),
-                    found.share,
-                    0.0,
-                    "name every recording once",
-                    consequence="samples counted twice fake certainty",
-                )
-            )
+            what = f"{found.sentence}; {'it is' if whole else 'these samples are'} left out, so that each counts once"
+            remedy, consequence = "name every recording once", "samples counted twice fake certainty"
+            findings.append(Finding("overlap", "warning", what, _name(one), found.share, 0.0, remedy, consequence))
             if whole:
                 break
             one = replace(one, valid=one.valid & ~found.rows)

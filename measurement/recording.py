@@ -208,11 +208,9 @@ class Recording:
             kept = ("-".join(called.get(part, part) for part in one.split("-")) for one in self.conventions)
             return replace(self, joints=joints, conventions=tuple(kept))
         mine, wanted = ", ".join(self.joint_names), ", ".join(names(joints))
-        raise RecordingError(
-            f"the recording is of a machine with {mine}, the model has {wanted}",
-            where=self.source.path or self.name,
-            remedy="give the machine's model with --model FILE, or read_recording(FILE, joints=model.joints)",
-        )
+        what = f"the recording is of a machine with {mine}, the model has {wanted}"
+        remedy = "give the machine's model with --model FILE, or read_recording(FILE, joints=model.joints)"
+        raise RecordingError(what, where=self.source.path or self.name, remedy=remedy)
 
     @property
     def quantities(self) -> dict[str, Float]:

@@ -88,11 +88,9 @@ def _column(recording: Recording, table: RawTable, name: str) -> Float:
             place = order[np.clip(np.searchsorted(table.row[order], recording.row), 0, len(order) - 1)]
             return np.where(table.row[place] == recording.row, column.values[place], np.nan)
     known = [*table.names, *(each for each in own if each not in table.names)]
-    raise RecordingError(
-        f"there is no column {name!r}",
-        where=f"{recording.source.path or recording.name}, --only",
-        remedy=did_you_mean(name, known) or f"its columns are {', '.join(known[:20])}",
-    )
+    what = f"there is no column {name!r}"
+    remedy = did_you_mean(name, known) or f"its columns are {', '.join(known[:20])}"
+    raise RecordingError(what, where=f"{recording.source.path or recording.name}, --only", remedy=remedy)
 
 
 def swings(recording: Recording) -> Recording:

@@ -62,9 +62,6 @@ def _load(name: str) -> Effect:
         what = f"the file does not define an effect: {error.what}"
         raise EffectError(what, where=where, remedy=error.remedy) from error
     if not isinstance(effect, Effect) or effect.id != name or effect.family not in FAMILIES:
-        raise EffectError(
-            "the file does not define an EFFECT whose id is the file's name",
-            where=where,
-            remedy=f'write EFFECT = Effect(id="{name}", ...) with a family of: {", ".join(FAMILIES)}',
-        )
+        remedy = f'write EFFECT = Effect(id="{name}", ...) with a family of: {", ".join(FAMILIES)}'
+        raise EffectError("the file does not define an EFFECT whose id is the file's name", where=where, remedy=remedy)
     return effect

@@ -101,11 +101,8 @@ def _memory(node: Node) -> Iterator[Call]:
 def _check_place(effect: Any) -> None:
     """Check id, joints, and that the effect is given in exactly one way, for the joints it names."""
     if not _ID.fullmatch(effect.id) or keyword.iskeyword(effect.id):
-        raise EffectError(
-            f"{effect.id[:60]!r} is not an effect's id: not a usable name",
-            where="id",
-            remedy="use up to 60 letters, digits and _, beginning with a letter",
-        )
+        what = f"{effect.id[:60]!r} is not an effect's id: not a usable name"
+        raise EffectError(what, where="id", remedy="use up to 60 letters, digits and _, beginning with a letter")
     joints = effect.joints
     named = all(_IDENTIFIER.fullmatch(joint) and joint != "both" for joint in joints)
     if joints != ("both",) and (not joints or len({*joints}) < len(joints) or not named):
@@ -139,15 +136,11 @@ def _check_word(effect: Any, key: str) -> None:
     """Check the name of a coefficient or shape."""
     where = f"{effect.id}.{key}"
     if not _IDENTIFIER.fullmatch(key) or keyword.iskeyword(key):
-        raise EffectError(
-            f"{key[:60]!r} is not a name",
-            where=where,
-            remedy="use up to 40 ASCII letters, digits and _, beginning with a letter",
-        )
+        what = f"{key[:60]!r} is not a name"
+        raise EffectError(what, where=where, remedy="use up to 40 ASCII letters, digits and _, beginning with a letter")
     if key in RESERVED or stem_of(key):
-        raise EffectError(
-            f"{key} already means something else in torque texts", where=where, remedy="choose another name"
-        )
+        remedy = "choose another name"
+        raise EffectError(f"{key} already means something else in torque texts", where=where, remedy=remedy)
     if key in effect.coefficients and key in effect.shape:
         raise EffectError(f"{key} is declared as a coefficient and as a shape", where=where, remedy="keep one of them")
 
@@ -162,22 +155,15 @@ def _check_coefficient(where: str, coefficient: Any) -> None:
 def _check_shape(where: str, shape: Any) -> None:
     """Check unit, bounds, choices and grid of a shape."""
     if not (math.isfinite(shape.min) and math.isfinite(shape.max)):
-        raise EffectError(
-            f"the bounds are {shape.min!r} and {shape.max!r}", where=where, remedy="give two finite numbers"
-        )
+        remedy = "give two finite numbers"
+        raise EffectError(f"the bounds are {shape.min!r} and {shape.max!r}", where=where, remedy=remedy)
     _check_bounds(where, shape.unit, shape.min, shape.max, shape.typical)
     if not all(shape.min <= choice <= shape.max for choice in shape.choices):
-        raise EffectError(
-            f"the choices {shape.choices!r} do not lie within the bounds",
-            where=where,
-            remedy=f"use values from {shape.min:g} to {shape.max:g}",
-        )
+        what = f"the choices {shape.choices!r} do not lie within the bounds"
+        raise EffectError(what, where=where, remedy=f"use values from {shape.min:g} to {shape.max:g}")
     if shape.spacing not in ("linear", "log", "time", "position") or (shape.spacing == "log" and shape.min <= 0.0):
-        raise EffectError(
-            f"spacing {shape.spacing!r} from {shape.min:g}",
-            where=where,
-            remedy='use "linear", "position", "time", or "log" where min is positive',
-        )
+        what = f"spacing {shape.spacing!r} from {shape.min:g}"
+        raise EffectError(what, where=where, remedy='use "linear", "position", "time", or "log" where min is positive')
     if shape.points < 1:
         raise EffectError(f"{shape.points} trial points", where=where, remedy="use one or more")
 
@@ -187,8 +173,5 @@ def _check_bounds(where: str, unit: str, low: float, high: float, typical: float
     if not low < high:
         raise EffectError(f"min {low:g} is not below max {high:g}", where=where, remedy="swap or mend them")
     if typical is not None and not low <= typical <= high:
-        raise EffectError(
-            f"the typical value {typical:g} lies outside its bounds",
-            where=where,
-            remedy=f"choose it from {low:g} to {high:g}",
-        )
+        what = f"the typical value {typical:g} lies outside its bounds"
+        raise EffectError(what, where=where, remedy=f"choose it from {low:g} to {high:g}")

@@ -129,9 +129,8 @@ def never_separable(names: Sequence[str], model: Model) -> Mapping[str, tuple[st
     candidates = {term.name: term for term in every_candidate(base)}
     unknown = [name for name in names if name not in candidates]
     if unknown:
-        raise EffectError(
-            f"no effect is called {', '.join(unknown)}; write ID:hip, ID:knee, or ID if it has both joints"
-        )
+        what = f"no effect is called {', '.join(unknown)}; write ID:hip, ID:knee, or ID if it has both joints"
+        raise EffectError(what)
     found = known_look_alikes(base)
     return {name: _imitators(candidates[name], found) for name in names}
 

@@ -109,10 +109,8 @@ class Model(Telling):
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name.endswith(".toml"):
-            raise EffectError(
-                f"Model makes a new model, and {str(self.name)[:60]!r} is no name for it",
-                remedy=f"read a file with exoid.Model.load({str(self.name)[:60]!r})",
-            )
+            remedy = f"read a file with exoid.Model.load({str(self.name)[:60]!r})"
+            raise EffectError(f"Model makes a new model, and {str(self.name)[:60]!r} is no name for it", remedy=remedy)
         given = self.terms
         self._take_joints()
         object.__setattr__(self, "terms", ())
@@ -140,11 +138,8 @@ class Model(Telling):
         check_forces(self.forces, self.joints, called)
         for name in called:
             if called.count(name) > 1:
-                raise EffectError(
-                    f"the model has {name} twice",
-                    where=self.name,
-                    remedy="keep one; its numbers could not be distinguished",
-                )
+                remedy = "keep one; its numbers could not be distinguished"
+                raise EffectError(f"the model has {name} twice", where=self.name, remedy=remedy)
 
     def _check_spatial(self) -> None:
         """Refuse what a spatial machine cannot have yet."""
@@ -180,18 +175,12 @@ class Model(Telling):
             return
         vector = three_numbers(given, "gravity")
         if not self.spatial:
-            raise EffectError(
-                "gravity is a vector, and the machine is planar",
-                where=self.name,
-                remedy="give a number, m/s² downwards within the plane",
-            )
+            what = "gravity is a vector, and the machine is planar"
+            raise EffectError(what, where=self.name, remedy="give a number, m/s² downwards within the plane")
         size = math.hypot(*vector)
         if given is self.gravity_vector and self.gravity not in (STANDARD_GRAVITY, size):
-            raise EffectError(
-                f"gravity is {self.gravity:g} m/s², and its vector {size:g} m/s² long",
-                where=self.name,
-                remedy="give the vector alone, as gravity",
-            )
+            what = f"gravity is {self.gravity:g} m/s², and its vector {size:g} m/s² long"
+            raise EffectError(what, where=self.name, remedy="give the vector alone, as gravity")
         object.__setattr__(self, "gravity", size)
         object.__setattr__(self, "gravity_vector", None if vector == (0.0, 0.0, -size) else vector)
 
@@ -232,11 +221,8 @@ class Model(Telling):
     def without(self, term_name: str) -> Model:
         """Return this model without the term of that name; EffectError where it has none."""
         if term_name not in {term.name for term in self.terms}:
-            raise EffectError(
-                f"the model has no term {term_name!r}",
-                where=self.name,
-                remedy="its terms are: " + (", ".join(term.name for term in self.terms) or "none"),
-            )
+            remedy = "its terms are: " + (", ".join(term.name for term in self.terms) or "none")
+            raise EffectError(f"the model has no term {term_name!r}", where=self.name, remedy=remedy)
         return replace(self, terms=tuple(term for term in self.terms if term.name != term_name))
 
     def base(self) -> Model:
@@ -520,11 +506,8 @@ def check_custom(effect: Effect, joints: tuple[Joint, ...]) -> None:
     """Refuse a user's effect that has no place among the joints, or not the unit of one of its own."""
     unknown = [name for name in effect.joints if name not in ("both", *(joint.name for joint in joints))]
     if unknown and effect.joints != JOINTS:
-        raise EffectError(
-            f"joints are {effect.joints!r}; the machine has no {', '.join(unknown)}",
-            where=effect.id,
-            remedy=f"use {', '.join(joint.name for joint in joints)}",
-        )
+        what = f"joints are {effect.joints!r}; the machine has no {', '.join(unknown)}"
+        raise EffectError(what, where=effect.id, remedy=f"use {', '.join(joint.name for joint in joints)}")
     if effect.torque is not None:
         for place in places_of(effect, joints):
             check_units(Term(effect, place, joints))

@@ -146,11 +146,8 @@ def _force_content(force: Force) -> dict[str, Any]:
 def custom_content(effect: Effect) -> dict[str, Any]:
     """Return a custom effect as plain data; ModelFileError for one that is derived in Python."""
     if effect.torque is None:
-        raise ModelFileError(
-            "an effect that changes the mechanism needs Python and cannot be written to TOML",
-            where=f"custom effect {effect.id}",
-            remedy="add it as a file in symbolic/effects/",
-        )
+        what = "an effect that changes the mechanism needs Python and cannot be written to TOML"
+        raise ModelFileError(what, where=f"custom effect {effect.id}", remedy="add it as a file in symbolic/effects/")
     content: dict[str, Any] = {"id": effect.id, "explains": effect.explains}
     if effect.on_both:
         content["joint"] = "both"

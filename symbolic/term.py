@@ -67,11 +67,8 @@ class Term:
         effect = self.effect
         places = places_of(effect, self.among)
         if self.joint is not None and places == (None,):
-            raise EffectError(
-                f"{effect.id} acts on {'both' if self.among is LEG else 'all'} joints at once",
-                where=f"{effect.id}:{self.joint}",
-                remedy=f"leave the joint out: {effect.id}",
-            )
+            what = f"{effect.id} acts on {'both' if self.among is LEG else 'all'} joints at once"
+            raise EffectError(what, where=f"{effect.id}:{self.joint}", remedy=f"leave the joint out: {effect.id}")
         if self.joint not in places:
             reason = self._why_not()
             raise EffectError(

@@ -153,16 +153,12 @@ def _dimension(text: str) -> Dimension:
         raise EffectError(f"a unit of {len(text)} characters", remedy=f"use at most {LONGEST}")
     for word in re.findall("^-$|[A-Za-zµ°%]+", text):
         if word not in UNITS and (instead := _coherent(word)):
-            raise EffectError(
-                f"the unit {word} has a factor in it; all numbers here are in SI units",
-                remedy=f"use {instead}, and convert bounds and values",
-            )
+            what = f"the unit {word} has a factor in it; all numbers here are in SI units"
+            raise EffectError(what, remedy=f"use {instead}, and convert bounds and values")
         if word not in UNITS:
             near = nearest(word, UNITS, 2)
-            raise EffectError(
-                f"unknown unit {word[:20]!r} in {text!r}",
-                remedy=(f"did you mean {' or '.join(near)}? " if near else "") + "known: " + " ".join(UNITS),
-            )
+            remedy = (f"did you mean {' or '.join(near)}? " if near else "") + "known: " + " ".join(UNITS)
+            raise EffectError(f"unknown unit {word[:20]!r} in {text!r}", remedy=remedy)
     refusal = EffectError(f"{text!r} is not a unit", remedy="write it like N·m·s/rad, kg·m² or 1/rad")
     if text.count("(") > DEEPEST:
         raise refusal

@@ -7,18 +7,17 @@ nothing is registered. One with `IN_CAMPAIGNS` can be asked by a campaign.
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import os
-import signal
 import sys
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType, ModuleType
 
 from exoid.ground.delivery import together
 from exoid.ground.errors import ExoidError
 from exoid.ground.folder import names_in
+from exoid.ground.signals import handled
 from exoid.ground.suggest import did_you_mean
 from exoid.ground.text import printable
 from exoid.ground.version import __version__
@@ -84,9 +83,8 @@ def load_verb(verb: str) -> ModuleType:
     """Import the module of one command; raises UsageError with a suggestion when there is none."""
     verbs = find_verbs()
     if verb not in verbs:
-        raise UsageError(
-            f"there is no command {verb!r}", remedy=did_you_mean(verb, verbs) or f"known: {', '.join(verbs)}"
-        )
+        what = f"there is no command {verb!r}"
+        raise UsageError(what, remedy=did_you_mean(verb, verbs) or f"known: {', '.join(verbs)}")
     return importlib.import_module(f"{commands.__name__}.{verb}")
 
 
@@ -125,7 +123,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _note
-            with _terminable():
+            with handled(_terminate, "SIGTERM", "SIGHUP"):
                 status = _dispatch(arguments)
         sys.stdout.flush()
         return status
@@ -184,24 +182,8 @@ def _dispatch(arguments: Sequence[str]) -> int:
     return status
 
 
-@contextlib.contextmanager
-def _terminable() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP raise Terminated, where this is the main thread; nohup stays nohup."""
-
-    def stop(number: int, _: object) -> None:
-        raise Terminated(number)
-
-    numbers = [number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None]
-    try:
-        before = {one: signal.signal(one, stop) for one in numbers if signal.getsignal(one) != signal.SIG_IGN}
-    except ValueError:  # not the main thread: whoever runs it decides about signals
-        yield
-        return
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+def _terminate(number: int, _: object) -> None:
+    raise Terminated(number)
 
 
 def versions() -> Mapping[str, str]:

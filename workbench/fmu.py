@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from exoid.optimisation.recursive.estimator_c import filled
+from exoid.ground.text import filled
 from exoid.symbolic.codegen.compiler import CompilerError, find_compiler
 from exoid.symbolic.units import BASE, dimension
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
 from exoid.diagnosis.watching.window import STEADY
-from exoid.ground.text import in_comment
+from exoid.ground.text import filled, in_comment
 from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
 from exoid.optimisation.preparation.sticking import STICK
 from exoid.optimisation.recursive.encoder_noise import DIFFERENCE, MIDDLE, following
@@ -21,7 +21,7 @@ from exoid.optimisation.recursive.estimator import (
     Estimator,
     constants,
 )
-from exoid.optimisation.recursive.estimator_c import ESTIMATION, FIELDS, FORGETTING, SPREADING, filled
+from exoid.optimisation.recursive.estimator_c import part_of_c
 from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
 from exoid.symbolic.model import Model, require_no_force, require_still_base
 from exoid.symbolic.model_file import Numbers
@@ -56,9 +56,10 @@ def write_updater(
     start = first_estimator(model, linear, unit, filters.working / filters.stride)
     joints, count = len(model.joints), len(model.parameters)
     values = {
-        "FIELDS": FIELDS.rstrip(), "ESTIMATION": ESTIMATION, "FORGETTING": FORGETTING,
-        "SPREADING": SPREADING, "DIFFERENCE": _list(DIFFERENCE), "QUIET": repr(MIDDLE * float(DIFFERENCE @ DIFFERENCE)),
-        "LISTEN": repr(following(filters.rate)), "ROUGH": repr(filters.roughness),
+        "FIELDS": part_of_c("fields.h").rstrip(), "ESTIMATION": part_of_c("step.c"),
+        "FORGETTING": part_of_c("forget.c"), "SPREADING": part_of_c("spread.c"), "DIFFERENCE": _list(DIFFERENCE),
+        "QUIET": repr(MIDDLE * float(DIFFERENCE @ DIFFERENCE)), "LISTEN": repr(following(filters.rate)),
+        "ROUGH": repr(filters.roughness),
         "TYPE": f"{name}_updater", "name": name, "guard": f"{name}_updater_h".upper(),
         "J": joints, "P": count, "W": count + 2, "MODEL": in_comment(model.name),
         "NAMES": ", ".join(f"{k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)),

@@ -42,11 +42,9 @@ def dask(address: str, jobs: int = 0) -> Engine:
         for cluster in owned:
             cluster.close()
         started.close()
-        raise EngineError(
-            f"no Dask cluster with a worker answers within {PATIENCE:g} s ({error})",
-            where=f"--dask {address}",
-            remedy="give the address that dask scheduler prints, for example tcp://host:8786, or local",
-        ) from error
+        what = f"no Dask cluster with a worker answers within {PATIENCE:g} s ({error})"
+        remedy = "give the address that dask scheduler prints, for example tcp://host:8786, or local"
+        raise EngineError(what, where=f"--dask {address}", remedy=remedy) from error
     for name in ("distributed.client", "distributed.core", "distributed.scheduler", "distributed.worker"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what is lost is said by `lost`
     known: set[str] = set(_workers(client))

@@ -83,11 +83,9 @@ def slurm(partition: str, folder: Path, jobs: int = 0, seconds: float | None = N
         import submitit
     here = partition == "local"
     if not here and submitit.AutoExecutor.which() != "slurm":
-        raise EngineError(
-            "there is no Slurm on this machine (sbatch was not found)",
-            where=f"--slurm {partition}",
-            remedy="run this on a login node; --slurm local runs the tasks on this machine",
-        )
+        what = "there is no Slurm on this machine (sbatch was not found)"
+        remedy = "run this on a login node; --slurm local runs the tasks on this machine"
+        raise EngineError(what, where=f"--slurm {partition}", remedy=remedy)
     count = jobs or (cores() if here else 64)
     # A folder of its own: submitit takes for an answer whatever pickle lies where it expects one.
     with refused(EngineError, "cannot be written ({})", folder, "name a folder you may write to"):

@@ -135,20 +135,15 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     option, *same = (",".join(one.name for one in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
     machine = "leg" if is_leg(joints) else "machine"
-    text = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
-    return Finding(
-        "sign" if found.reading.sides and len(recordings) == 1 else CHECK,
-        "warning",
-        f"{text}: a {machine} so read leaves {found.then / len(joints):.1%} of the torques' variance unexplained, "
-        f"as it stands {found.now / len(joints):.0%}",
-        place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together",
-        found.now,
-        LEAST,
-        (f"if so, give --convention {file}{option}" if option else "if so, leave --convention away")
-        + (f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""),
-        consequence="every parameter is wrong",
-        confidence="possible" if found.rivals or found.then > DOUBT else "likely",
-    )
+    what = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
+    what += f": a {machine} so read leaves {found.then / len(joints):.1%} of the torques' variance unexplained, "
+    what += f"as it stands {found.now / len(joints):.0%}"
+    remedy = f"if so, give --convention {file}{option}" if option else "if so, leave --convention away"
+    remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
+    check = "sign" if found.reading.sides and len(recordings) == 1 else CHECK
+    where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
+    sure = "possible" if found.rivals or found.then > DOUBT else "likely"
+    return Finding(check, "warning", what, where, found.now, LEAST, remedy, "every parameter is wrong", sure)
 
 
 def better_reading(

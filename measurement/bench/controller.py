@@ -31,11 +31,9 @@ class Controller:
 
     def __post_init__(self) -> None:
         if min(*self.bandwidth, self.damping, self.differentiator) <= 0:
-            raise ExoidError(
-                "bandwidth, damping and differentiator cut-off of the controller must be positive",
-                where=repr(self),
-                remedy="give Hz, for example Controller(bandwidth=(3, 3), differentiator=15)",
-            )
+            what = "bandwidth, damping and differentiator cut-off of the controller must be positive"
+            remedy = "give Hz, for example Controller(bandwidth=(3, 3), differentiator=15)"
+            raise ExoidError(what, where=repr(self), remedy=remedy)
 
     def gains(self, machine: Leg | Machine) -> NDArray[np.float64]:
         """Return the gains (2, J) on angle and velocity in N·m/rad and N·m·s/rad for this machine's inertia."""

@@ -111,10 +111,8 @@ def true_model(model: Model, base: Iterable[float], effects: Iterable[Hidden]) -
     by_name = {term.name: term for term in model.terms}
     missing = sorted(set(wanted) - set(by_name))
     if missing:
-        raise EffectError(
-            f"the bench could not place {', '.join(missing)}",
-            remedy="name the joint, as in ID:knee; an effect on both joints takes none",
-        )
+        what = f"the bench could not place {', '.join(missing)}"
+        raise EffectError(what, remedy="name the joint, as in ID:knee; an effect on both joints takes none")
     numbers: dict[str, float] = {}
     for name, term in by_name.items():
         numbers |= _numbers(model, name, wanted.get(name, Hidden(term.effect, term.joint)))
@@ -131,11 +129,8 @@ def _numbers(model: Model, name: str, hidden: Hidden) -> dict[str, float]:
     short = {full.rpartition(".")[2]: full for full in typical}
     unknown = sorted(set(hidden.values) - set(short))
     if unknown:
-        raise EffectError(
-            f"{name} has no number called {', '.join(unknown)}",
-            where=name,
-            remedy=f"its numbers are {', '.join(short)}",
-        )
+        what = f"{name} has no number called {', '.join(unknown)}"
+        raise EffectError(what, where=name, remedy=f"its numbers are {', '.join(short)}")
     out = dict(typical)
     first = next(iter(typical), None)
     if hidden.size is not None and first is not None:

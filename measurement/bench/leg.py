@@ -60,11 +60,9 @@ class Leg:
         phi1, phi2, phi3 = self.base[:3]
         # M must be positive definite in every pose; its determinant is smallest at cos θ2 = ±1.
         if min(phi1, phi2, phi1 * phi2 - phi2**2 - phi3**2) <= 0:
-            raise LegError(
-                f"Φ1 = {phi1:g}, Φ2 = {phi2:g}, Φ3 = {phi3:g} kg·m² make a mass matrix that is not positive definite",
-                where=self.name,
-                remedy="no real leg has such inertias: check the numbers, Φ1 > Φ2 > 0 and Φ2 (Φ1 - Φ2) > Φ3²",
-            )
+            what = f"Φ1 = {phi1:g}, Φ2 = {phi2:g}, Φ3 = {phi3:g} kg·m² make a mass matrix that is not positive definite"
+            remedy = "no real leg has such inertias: check the numbers, Φ1 > Φ2 > 0 and Φ2 (Φ1 - Φ2) > Φ3²"
+            raise LegError(what, where=self.name, remedy=remedy)
 
     @classmethod
     def of(cls, name: str, thigh: Segment, shank: Segment, friction: tuple[float, float, float, float]) -> Leg:
@@ -74,11 +72,8 @@ class Leg:
         """
         numbers = (thigh.mass, thigh.inertia, shank.mass, shank.inertia)
         if not all(number > 0 for number in numbers) or min(friction) < 0:
-            raise LegError(
-                "masses and inertias must be positive, friction must not be negative",
-                where=name,
-                remedy="give kg, m, kg·m², N·m and N·m·s/rad",
-            )
+            what = "masses and inertias must be positive, friction must not be negative"
+            raise LegError(what, where=name, remedy="give kg, m, kg·m², N·m and N·m·s/rad")
         about_hip = thigh.inertia + thigh.mass * thigh.com**2
         about_knee = shank.inertia + shank.mass * shank.com**2
         lumped = (

@@ -16,7 +16,7 @@ Source: Moreau, "Numerical aspects of the sweeping process", Comput. Methods App
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -37,18 +37,10 @@ EXACT, SWEEPS = 3, 30
 """Joints up to which the friction of a step is found exactly, and sweeps of the approximation beyond."""
 
 
-def _play_start(x: Any) -> Any:
-    return x
-
-
 def _play(value: Any, old: Any, new: Any, half_width: Any) -> Any:
     import casadi as ca
 
     return ca.fmin(ca.fmax(value, new - half_width), new + half_width)
-
-
-def _dahl_start(x: Any) -> Any:
-    return 0.0 * x
 
 
 def _dahl(value: Any, old: Any, new: Any, sigma: Any) -> Any:
@@ -58,7 +50,9 @@ def _dahl(value: Any, old: Any, new: Any, sigma: Any) -> Any:
     return side + (value - side) * ca.exp(-sigma * ca.fabs(new - old))
 
 
-REMEMBERED = {"play": (_play_start, _play), "dahl": (_dahl_start, _dahl)}
+REMEMBERED: dict[str, tuple[Callable[[Any], Any], Callable[..., Any]]] = {
+    "play": (lambda x: x, _play), "dahl": (lambda x: 0.0 * x, _dahl)
+}  # fmt: skip
 """Operators that the leg itself can have, because their state moves with the joint: `start(x)` is the value when it is
 switched on, `update(value, old_x, new_x, parameter)` the value after x moved on; all in CasADi SX."""
 

@@ -136,11 +136,8 @@ def _check_belongs(file: Path, opened: OpenedSeal, place: str) -> None:
     with refused(SealError, "a recording cannot be read ({})", file):
         found = sha256_file(file)
     if found not in opened.recordings.values():
-        raise SealError(
-            f"{file.name} is not one of the recordings of this seal",
-            where=place,
-            remedy=f"it belongs to {', '.join(sorted(opened.recordings))}, unchanged since the simulation",
-        )
+        remedy = f"it belongs to {', '.join(sorted(opened.recordings))}, unchanged since the simulation"
+        raise SealError(f"{file.name} is not one of the recordings of this seal", where=place, remedy=remedy)
 
 
 def _truth(fields: Mapping[str, Any]) -> Truth:

@@ -49,10 +49,8 @@ class Sensors:
             if value is not None and not (math.isfinite(value) and value >= 0):
                 raise ExoidError(f"sensor property {entry.name} = {value} must be finite and not negative")
         if self.outlier_share > 0.5 or self.encoder_bits > 32:
-            raise ExoidError(
-                "an outlier share above 0.5 or an encoder above 32 bit is not a measurement",
-                where=f"outlier_share = {self.outlier_share}, encoder_bits = {self.encoder_bits}",
-            )
+            what = "an outlier share above 0.5 or an encoder above 32 bit is not a measurement"
+            raise ExoidError(what, where=f"outlier_share = {self.outlier_share}, encoder_bits = {self.encoder_bits}")
 
     @classmethod
     def ideal(cls) -> Sensors:

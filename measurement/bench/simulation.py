@@ -99,17 +99,13 @@ class Bench:
         if self.measured is not None:
             object.__setattr__(self, "measured", sensed(self.measured))
         if not (self.rate > 0 and self.lead_in >= 0 and 0 < self.step <= STEP):
-            raise BenchError(
-                f"rate {self.rate} Hz, step {self.step} s, lead-in {self.lead_in} s",
-                remedy=f"the rate must be positive and the step at most {STEP} s",
-            )
+            what = f"rate {self.rate} Hz, step {self.step} s, lead-in {self.lead_in} s"
+            raise BenchError(what, remedy=f"the rate must be positive and the step at most {STEP} s")
         if not (math.isfinite(self.duration) and self.duration * self.rate >= 2):
             raise BenchError(f"{self.duration} s at {self.rate} Hz is less than two samples")
         if self.duration * self.rate > MOST_SAMPLES or self.duration > LONGEST or self.rate > FASTEST:
-            raise BenchError(
-                f"{self.duration:g} s at {self.rate:g} Hz",
-                remedy=f"give at most {LONGEST:g} s, {FASTEST:g} Hz and {MOST_SAMPLES:g} samples",
-            )
+            what = f"{self.duration:g} s at {self.rate:g} Hz"
+            raise BenchError(what, remedy=f"give at most {LONGEST:g} s, {FASTEST:g} Hz and {MOST_SAMPLES:g} samples")
 
     @property
     def steps_per_sample(self) -> int:
@@ -233,11 +229,8 @@ def bench_machine(model: Model) -> Leg | Machine:
 def _check_fits(model: Model, leg: Leg | Machine, bench: Bench, excitation: Fourier | None) -> None:
     """Refuse a leg for another machine, a wearer of anything but a leg, and a walk along another motion."""
     if len(leg.base) != model.base_count:
-        raise BenchError(
-            f"{leg.name} has {len(leg.base)} base parameters, the model {model.base_count}",
-            where=model.name,
-            remedy="leave it out: the bench makes a machine for every model",
-        )
+        what = f"{leg.name} has {len(leg.base)} base parameters, the model {model.base_count}"
+        raise BenchError(what, where=model.name, remedy="leave it out: the bench makes a machine for every model")
     if bench.wearer is not None and model.chain and not model.forces:
         raise BenchError("only the leg has cuffs that a wearer pushes at", where=model.name, remedy="leave wearer out")
     if bench.walk is not None and not is_leg(model.joints):
@@ -326,11 +319,9 @@ def _check_sane(states: Float, reach: Float, where: str) -> None:
     """
     wild = not np.isfinite(states).all() or np.abs(states[1] / reach[:, None]).max() > 100.0
     if wild or np.mean(np.abs(states[5]) > 0.1) > 0.01:
-        raise BenchError(
-            "the leg ran away: it moved faster than 100 rad/s, or its equation of motion has no sensible solution",
-            where=where,
-            remedy="make the hidden effects smaller or give them their other sign, or stiffen the controller",
-        )
+        what = "the leg ran away: it moved faster than 100 rad/s, or its equation of motion has no sensible solution"
+        remedy = "make the hidden effects smaller or give them their other sign, or stiffen the controller"
+        raise BenchError(what, where=where, remedy=remedy)
 
 
 def integrate(step: Any, state: Float, given: Float, numbers: Float) -> Float:

@@ -171,11 +171,9 @@ def _side(
             return leg
         if len(sides) == 1 and sides <= {"ipsi"} and leg != "contra":
             return "ipsi"
-        raise RecordingError(
-            f"there are no columns of the {leg} leg, only of: {', '.join(s for s in LEGS if s in sides)}",
-            where=where,
-            remedy=f"--leg {next(s for s in LEGS if s in sides)}, or name the columns with --map q1=COLUMN",
-        )
+        what = f"there are no columns of the {leg} leg, only of: {', '.join(s for s in LEGS if s in sides)}"
+        remedy = f"--leg {next(s for s in LEGS if s in sides)}, or name the columns with --map q1=COLUMN"
+        raise RecordingError(what, where=where, remedy=remedy)
     unsided = {reading.name for reading, _ in offers if not reading.side}
     if not sides or all(name in chosen or name in unsided for name in wanted):
         return ""
@@ -183,11 +181,8 @@ def _side(
     possible = whole or tuple(side for side in LEGS if side in sides)
     if len(possible) > 1:
         both = " or --leg both (two recordings)" if set(possible) == {"left", "right"} and whole else ""
-        raise RecordingError(
-            f"the file holds columns of more than one leg ({', '.join(possible)}): which is it?",
-            where=where,
-            remedy=f"--leg {' or --leg '.join(possible)}{both}",
-        )
+        what = f"the file holds columns of more than one leg ({', '.join(possible)}): which is it?"
+        raise RecordingError(what, where=where, remedy=f"--leg {' or --leg '.join(possible)}{both}")
     return possible[0]
 
 
@@ -207,11 +202,8 @@ def _best(name: str, offers: Sequence[Offer], where: str) -> Offer:
     alike = _same_clock if name == "t" else _same
     if any(not alike(first, other) for _, other in best[1:]):
         names = numbered([column.name for _, column in best])
-        raise RecordingError(
-            f"more than one column can be {name}: {', '.join(repr(n) for n in names)}",
-            where=where,
-            remedy=f"say which: --map {name}={names[0]}",
-        )
+        what = f"more than one column can be {name}: {', '.join(repr(n) for n in names)}"
+        raise RecordingError(what, where=where, remedy=f"say which: --map {name}={names[0]}")
     return best[0]
 
 
@@ -243,11 +235,8 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
         if key not in known:
             close = nearest(key, known, 1)
             hint = f"did you mean {close[0]!r}? " if close else ""
-            raise RecordingError(
-                f"{option} names {key!r}, which is not a column exoid knows",
-                where=where,
-                remedy=f"{hint}known: {', '.join(known)}",
-            )
+            what = f"{option} names {key!r}, which is not a column exoid knows"
+            raise RecordingError(what, where=where, remedy=f"{hint}known: {', '.join(known)}")
 
 
 def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint]) -> None:
@@ -274,11 +263,9 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
-    raise RecordingError(
-        f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})",
-        where=where,
-        remedy=f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive,
-    )
+    what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
+    remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
+    raise RecordingError(what, where=where, remedy=remedy)
 
 
 def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
@@ -329,23 +316,16 @@ def _with_unit(
             else f"--units {name}={si.replace('·', '')}*NUMBER, with what one {unit} is",
         )
     if scale is None and is_product(unit) and written and factor(quantity, unit) is not None:
-        raise RecordingError(
-            f"{name}={unit} does not fit column {column.name!r}, which the file says is in {written}",
-            where=where,
-            remedy=f"write the factor for one {written}",
-        )
+        what = f"{name}={unit} does not fit column {column.name!r}, which the file says is in {written}"
+        raise RecordingError(what, where=where, remedy=f"write the factor for one {written}")
     if scale is None:
-        raise RecordingError(
-            f"unit {unit!r} of column {column.name!r} ({name}) is not known",
-            where=where,
-            remedy=f"--units {name}=UNIT with one of {', '.join(QUANTITIES[quantity])}",
-        )
+        what = f"unit {unit!r} of column {column.name!r} ({name}) is not known"
+        remedy = f"--units {name}=UNIT with one of {', '.join(QUANTITIES[quantity])}"
+        raise RecordingError(what, where=where, remedy=remedy)
     if quantity == "t" and scale < 0.0:
-        raise RecordingError(
-            f"time counts backwards in {unit!r}: every velocity would change its sign",
-            where=where,
-            remedy="give a unit without a minus; where the clock counts down, write a column that counts up",
-        )
+        what = f"time counts backwards in {unit!r}: every velocity would change its sign"
+        remedy = "give a unit without a minus; where the clock counts down, write a column that counts up"
+        raise RecordingError(what, where=where, remedy=remedy)
     return Assigned(name, column, unit, scale, True)
 
 

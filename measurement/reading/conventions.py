@@ -274,10 +274,8 @@ def _named(name: str, joints: tuple[Joint, ...]) -> Convention:
     known = conventions_of_machine(joints)
     if name not in known:
         whose = "" if is_leg(joints) else f" of a machine with {', '.join(names(joints))}"
-        raise RecordingError(
-            f"there is no convention called {name!r}{whose}",
-            remedy=did_you_mean(name, list(known)) or f"known: {', '.join(known)}, {GEARS}",
-        )
+        what = f"there is no convention called {name!r}{whose}"
+        raise RecordingError(what, remedy=did_you_mean(name, list(known)) or f"known: {', '.join(known)}, {GEARS}")
     return known[name]
 
 

@@ -118,7 +118,5 @@ def machine_of(model: Any) -> Model:
     if isinstance(own, Model):
         return own
     swapped = " (the recordings come second)" if isinstance(model, (Recording, list, tuple)) or is_table(model) else ""
-    raise ExoidError(
-        f"the model comes first, and a {type(model).__name__} is none{swapped}",
-        remedy="give exoid.Model.standard(), a Model of other joints, a fit, or the path of a model file",
-    )
+    remedy = "give exoid.Model.standard(), a Model of other joints, a fit, or the path of a model file"
+    raise ExoidError(f"the model comes first, and a {type(model).__name__} is none{swapped}", remedy=remedy)

@@ -124,6 +124,5 @@ def check_text(path: str | Path) -> None:
     with Path(path).open("rb") as stream:
         head = stream.read(4096)
         if encoding(head).startswith("utf-8") and b"\0" in head.rstrip(b"\0"):
-            raise RecordingError(
-                "this is no text, so it cannot be followed line by line", where=str(path), remedy="leave --follow out"
-            )
+            what = "this is no text, so it cannot be followed line by line"
+            raise RecordingError(what, where=str(path), remedy="leave --follow out")

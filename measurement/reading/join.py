@@ -53,11 +53,8 @@ def joined_pieces(
     angles = [f"q{k + 1}" for k in range(len(joints))]
     base = next((piece for piece in pieces if {*angles} <= set(piece.columns)), None)
     if base is None:
-        raise RecordingError(
-            "none of the files has the angles of all joints",
-            where=pieces[0].where,
-            remedy=f"name the columns with --map {','.join(f'{name}=COLUMN' for name in angles)}",
-        )
+        remedy = f"name the columns with --map {','.join(f'{name}=COLUMN' for name in angles)}"
+        raise RecordingError("none of the files has the angles of all joints", where=pieces[0].where, remedy=remedy)
     given = {id(piece): lag for piece, (_, _, lag, _) in zip(pieces, tables, strict=True)}
     columns = dict(base.columns)
     notes = [note for piece in pieces for note in piece.table.notes]
@@ -73,9 +70,8 @@ def joined_pieces(
                 columns[name] = onto(base.t + lag, piece.t, values)
     covered = [np.isfinite(values) for name, values in columns.items() if name not in base.columns]
     if covered and not np.any(np.all(covered, axis=0)):
-        raise RecordingError(
-            "the files do not overlap in time", where=base.where, remedy="are these files of the same trial?"
-        )
+        what = "the files do not overlap in time"
+        raise RecordingError(what, where=base.where, remedy="are these files of the same trial?")
     first = base.t[0]
     made = [RawColumn("t", base.t - first, "s")]
     made += [
@@ -98,11 +94,8 @@ def _piece(table: RawTable, where: str, told: StatedMapping, joints: tuple[Joint
     found = assign(table, replace(told, columns=mapping, units=units), where=where, joints=joints, partial=True)
     if "t" not in found or len(found) < 2:
         lacks = "no time" if "t" not in found else "neither angles nor torques"
-        raise RecordingError(
-            f"{lacks} was found in the file",
-            where=where,
-            remedy="say which column it is: --map t=COLUMN, q1=COLUMN, ...",
-        )
+        what = f"{lacks} was found in the file"
+        raise RecordingError(what, where=where, remedy="say which column it is: --map t=COLUMN, q1=COLUMN, ...")
     columns = {name: item.column.values * item.factor for name, item in found.items()}
     t = columns.pop("t")
     epoch = None if found["t"].told else clock.epoch_unit(t)
@@ -121,9 +114,8 @@ def _unit(t: Float, columns: Mapping[str, Float], where: str) -> float:
         raise RecordingError("the clock does not run", where=where, remedy="is this the time? --map t=COLUMN")
     unit, scale = clock.clock_unit(t[good], signals[good])
     if unit == "index":
-        raise RecordingError(
-            "the time column counts 0, 1, 2, ...", where=where, remedy="say what one count is: --units 't=10 ms'"
-        )
+        what = "the time column counts 0, 1, 2, ..."
+        raise RecordingError(what, where=where, remedy="say what one count is: --units 't=10 ms'")
     return scale
 
 

@@ -61,9 +61,8 @@ class Budget:
         """Count entries; RecordingError where there are too many."""
         self.entries += number
         if self.entries > MOST_ENTRIES:
-            raise RecordingError(
-                f"the file holds more than {MOST_ENTRIES} entries", where=self.where, remedy="export the channels alone"
-            )
+            what = f"the file holds more than {MOST_ENTRIES} entries"
+            raise RecordingError(what, where=self.where, remedy="export the channels alone")
 
 
 class Within(io.BufferedReader):

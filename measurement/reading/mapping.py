@@ -125,11 +125,8 @@ def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, repl
     if old and old[-1] == mapping:
         return path
     if old and not replacing:
-        raise RecordingError(
-            f"another mapping for the same columns is kept there ({old[-1]})",
-            where=str(path),
-            remedy="--replace puts the new one in its place",
-        )
+        what = f"another mapping for the same columns is kept there ({old[-1]})"
+        raise RecordingError(what, where=str(path), remedy="--replace puts the new one in its place")
     elsewhere = "--out DIR keeps it elsewhere, beside a copy of the recordings"
     with refused(RecordingError, "the mapping cannot be written ({})", path, elsewhere):
         refuse_links(path, folder)
@@ -148,11 +145,8 @@ def mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str,
         found = factors[0] if len(factors) == 1 else _product(wanted, factors)
         double = [other for other, column in chosen.items() if column is found]
         if double:
-            raise RecordingError(
-                f"column {wanted!r} is mapped to both {double[0]} and {name}",
-                where=where,
-                remedy="map each column once",
-            )
+            what = f"column {wanted!r} is mapped to both {double[0]} and {name}"
+            raise RecordingError(what, where=where, remedy="map each column once")
         chosen[name] = found
     return chosen
 
@@ -173,9 +167,8 @@ def _called(table: RawTable, wanted: str, name: str, where: str) -> RawColumn:
     hint = f"did you mean {close[0]!r}? " if close and not found else ""
     what = "is not in the file" if not found else f"stands {len(found)} times in the file"
     hint = f"write {wanted}#1 for the first of them. " if found else hint
-    raise RecordingError(
-        f"column {wanted!r} ({name}) {what}", where=where, remedy=f"{hint}columns found: {listed(table.names)}"
-    )
+    remedy = f"{hint}columns found: {listed(table.names)}"
+    raise RecordingError(f"column {wanted!r} ({name}) {what}", where=where, remedy=remedy)
 
 
 def _product(text: str, factors: tuple[RawColumn, ...]) -> RawColumn:

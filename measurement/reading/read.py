@@ -88,9 +88,8 @@ def read_recording(
     machine = None if joints is None else tuple(joints)
     table, origin, name, told = _whole(source, told, name, machine)
     if told.leg == "both":
-        raise RecordingError(
-            "both legs are two recordings", where=origin.path or name, remedy="read_recordings([...], leg='both')"
-        )
+        what = "both legs are two recordings"
+        raise RecordingError(what, where=origin.path or name, remedy="read_recordings([...], leg='both')")
     return _finished(table, origin, name, told, machine)
 
 
@@ -157,14 +156,12 @@ def _of_every_leg(path: str | Path, told: StatedMapping, machine: Machine) -> tu
     if told.leg != "both":
         return (_finished(table, origin, name, told, machine),)
     if set(told.columns) - {"t"}:
-        raise RecordingError(
-            "--map names the columns of one leg", where=str(path), remedy="read --leg left and --leg right one by one"
-        )
+        what = "--map names the columns of one leg"
+        raise RecordingError(what, where=str(path), remedy="read --leg left and --leg right one by one")
     sides = legs(table, machine or LEG)
     if not sides:
-        raise RecordingError(
-            "no leg has all its angles and torques in this file", where=str(path), remedy="read one leg, with --map"
-        )
+        what = "no leg has all its angles and torques in this file"
+        raise RecordingError(what, where=str(path), remedy="read one leg, with --map")
     return tuple(_finished(table, origin, f"{name} ({side})", replace(told, leg=side), machine) for side in sides)
 
 
@@ -177,9 +174,8 @@ def _in_pieces(
         if chosen is None or not hasattr(chosen, "pieces") or not chosen.is_large(real, most):
             return ()
         if told.leg == "both":
-            raise RecordingError(
-                "a file so long is read for one leg at a time", where=str(path), remedy="--leg left or --leg right"
-            )
+            what = "a file so long is read for one leg at a time"
+            raise RecordingError(what, where=str(path), remedy="--leg left or --leg right")
         origin, home = Source(str(path), digest(real)), folder_of(path)
         said: list[Finding] = []
         kept: StatedMapping | None = None
@@ -215,9 +211,8 @@ def _whole(
     if not told.join:
         return table, origin, name, told
     if told.leg == "both":
-        raise RecordingError(
-            "files are joined for one leg at a time", where=origin.path or name, remedy="--leg left or --leg right"
-        )
+        what = "files are joined for one leg at a time"
+        raise RecordingError(what, where=origin.path or name, remedy="--leg left or --leg right")
     pieces: list[tuple[RawTable, str, float | None, StatedMapping]] = [(table, origin.path or name, None, told)]
     sums = [origin.sha256]
     for file, lag in told.join:
@@ -307,11 +302,8 @@ def _format_of(path: Path) -> ModuleType:
         chosen = [m for m in by_content if m in by_suffix] or by_content
     if not chosen:
         known = ", ".join(suffix for module in find_formats() for suffix in module.SUFFIXES)
-        raise RecordingError(
-            f"files of type {path.suffix or '(no suffix)'} are not read",
-            where=str(path),
-            remedy=f"known: {known}",
-        )
+        what = f"files of type {path.suffix or '(no suffix)'} are not read"
+        raise RecordingError(what, where=str(path), remedy=f"known: {known}")
     return chosen[0]
 
 

@@ -224,17 +224,12 @@ def _order_time(draft: Draft) -> Draft:
     draft = replace(draft, valid=draft.valid & ~found.bad)
     if found.kind in ("sorted", "reversed"):
         if found.kind == "reversed":
-            draft = draft.noted(
-                "time",
-                "warning",
-                "time runs backwards through the file; the rows were turned round, and with them every velocity",
-                value=float(moved.sum()),
-                limit=0.0,
-                remedy="nothing, if the file was written last row first; if its rows are in the order in which they "
-                "were measured and the clock counts down, give a time that counts up",
-                consequence="in the other case every velocity, and with it friction, has the wrong sign",
-                confidence="likely",
-            )
+            what = "time runs backwards through the file; the rows were turned round, and with them every velocity"
+            remedy = "nothing, if the file was written last row first; if its rows are in the order in which they "
+            remedy += "were measured and the clock counts down, give a time that counts up"
+            consequence = "in the other case every velocity, and with it friction, has the wrong sign"
+            said: dict[str, Any] = {"remedy": remedy, "consequence": consequence, "confidence": "likely"}
+            draft = draft.noted("time", "warning", what, value=float(moved.sum()), limit=0.0, **said)
         else:
             what = f"{int(moved.sum())} rows stood out of order; they were sorted by time"
             draft = draft.noted("time", "repaired", what, value=float(moved.sum()), limit=0.0, remedy="nothing")
@@ -260,17 +255,12 @@ def _ticks(draft: Draft) -> Draft:
     repeats = float(np.mean(np.diff(t) == 0))
     if repeats > 0:
         t = clock.spread_ticks(t)
+        what = f"{repeats:.0%} of the rows carry the time of the row before: the clock was written with too few digits"
+        what += "; these rows were spaced evenly between its ticks"
         draft = draft.noted(
-            "time",
-            "warning",
-            f"{repeats:.0%} of the rows carry the time of the row before: the clock was written with "
-            "too few digits; these rows were spaced evenly between its ticks",
-            value=repeats,
-            limit=0.0,
-            remedy="log the time with microseconds",
-            confidence="likely",
-            consequence="velocities and accelerations get the error of the spacing",
-        )
+            "time", "warning", what, value=repeats, limit=0.0, remedy="log the time with microseconds",
+            consequence="velocities and accelerations get the error of the spacing", confidence="likely",
+        )  # fmt: skip
     return _stamped(draft, t)
 
 
@@ -284,11 +274,9 @@ def _since_start(t: Float) -> Float:
 def _stamped(draft: Draft, t: Float) -> Draft:
     steps = np.diff(t)
     if np.any(steps <= 0) or np.median(steps) < CLOSEST:
-        raise RecordingError(
-            "time stamps are too close together to be distinguished",
-            where=f"{draft.file}, column t",
-            remedy="log the time in seconds with at least six decimals",
-        )
+        what = "time stamps are too close together to be distinguished"
+        remedy = "log the time in seconds with at least six decimals"
+        raise RecordingError(what, where=f"{draft.file}, column t", remedy=remedy)
     return replace(draft, columns={**draft.columns, "t": t})
 
 
@@ -305,28 +293,16 @@ def _clock_unit(draft: Draft) -> Draft:
     unit, scale = clock.clock_unit(t[known], q[known])
     step = float(np.median(np.diff(t)))
     if unit == "index":
-        return draft.noted(
-            "time",
-            "refused",
-            "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?",
-            "column t",
-            value=step,
-            limit=0.5,
-            remedy="say what one count is: --units t=ms, or --units 't=10 ms' for a row every 10 ms",
-        )
+        what = "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?"
+        remedy = "say what one count is: --units t=ms, or --units 't=10 ms' for a row every 10 ms"
+        return draft.noted("time", "refused", what, "column t", value=step, limit=0.5, remedy=remedy)
     if unit == "s":
         return draft
-    draft = draft.noted(
-        "time",
-        "repaired",
-        f"the median time step is {step:.4g}, impossible in seconds for these angles: the clock "
-        f"was read in {unit} ({1 / (step * scale):.4g} Hz)",
-        "column t",
-        value=step,
-        limit=0.5,
-        remedy=f"if that is wrong, say so with --units t=s; header 't [{unit}]' avoids the question",
-        confidence="likely",
-    )
+    what = f"the median time step is {step:.4g}, impossible in seconds for these angles: the clock was read in {unit} "
+    what += f"({1 / (step * scale):.4g} Hz)"
+    remedy = f"if that is wrong, say so with --units t=s; header 't [{unit}]' avoids the question"
+    said: dict[str, Any] = {"value": step, "limit": 0.5, "remedy": remedy, "confidence": "likely"}
+    draft = draft.noted("time", "repaired", what, "column t", **said)
     return _stamped(draft, t * scale)
 
 

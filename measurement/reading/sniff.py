@@ -75,11 +75,8 @@ def decode(data: bytes, *, where: str) -> tuple[str, tuple[Finding, ...]]:
         1 for c in head_text if (ord(c) < 32 and c not in "\t\r\n\f\v") or 0x7F <= ord(c) < 0xA0 or c == "\ufffd"
     )
     if strange > 0.02 * len(head_text):
-        raise RecordingError(
-            "this is not a text table: it holds binary data",
-            where=where,
-            remedy="give a CSV, TSV, NPZ, MAT, HDF5 or Parquet file under its proper suffix",
-        )
+        remedy = "give a CSV, TSV, NPZ, MAT, HDF5 or Parquet file under its proper suffix"
+        raise RecordingError("this is not a text table: it holds binary data", where=where, remedy=remedy)
     text = text.lstrip("\ufeff")
     if "\u2212" in text:
         text = text.replace("\u2212", "-")  # the minus of typography
@@ -118,11 +115,9 @@ def sniff(text: str, *, where: str) -> Layout:
     lines = list(_lines(text))
     longest = max((len(line) for _, _, line in lines), default=0)
     if longest > LONGEST_LINE:
-        raise RecordingError(
-            f"one line has {longest} characters: this is not a table with one row per sample",
-            where=where,
-            remedy="write one line per sample; if time runs across the lines, transpose the table",
-        )
+        what = f"one line has {longest} characters: this is not a table with one row per sample"
+        remedy = "write one line per sample; if time runs across the lines, transpose the table"
+        raise RecordingError(what, where=where, remedy=remedy)
     table = [entry for entry in lines if entry[2].strip() and not entry[2].lstrip().startswith(COMMENTS)]
     best: tuple[int, int, str, str] = (0, 0, "", "")
     cut: dict[str, list[list[str]]] = {}
@@ -151,11 +146,8 @@ def sniff(text: str, *, where: str) -> Layout:
             best = (widths.count(width), width, delimiter, decimal)
     count, width, delimiter, decimal = best
     if not count:
-        raise RecordingError(
-            "no rows of numbers were found",
-            where=where,
-            remedy="the file needs one header line (t, q1, q2, tau1, tau2) and one row of numbers per sample",
-        )
+        remedy = "the file needs one header line (t, q1, q2, tau1, tau2) and one row of numbers per sample"
+        raise RecordingError("no rows of numbers were found", where=where, remedy=remedy)
     return _header(lines, table, cut[delimiter], width, delimiter, decimal, where)
 
 

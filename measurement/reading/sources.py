@@ -124,9 +124,8 @@ def _counted(found: list[str], where: str, none: str) -> list[str]:
     if not found:
         raise RecordingError(none, where=where, remedy=f"recordings end in {', '.join(suffixes())}")
     if len(found) > MOST_FILES:
-        raise RecordingError(
-            f"{len(found)} recordings at a time", where=where, remedy=f"name {MOST_FILES} of them or fewer"
-        )
+        what = f"{len(found)} recordings at a time"
+        raise RecordingError(what, where=where, remedy=f"name {MOST_FILES} of them or fewer")
     return found
 
 
@@ -194,11 +193,9 @@ def opened(path: Path) -> Iterator[Path]:
             return
         found = members(path)
         if len(found) > 1:
-            raise RecordingError(
-                f"the archive holds {len(found)} recordings: {', '.join(found[:8])}",
-                where=str(path),
-                remedy=f"name one: {path}/{found[0]}, or read them all with read_recordings",
-            )
+            what = f"the archive holds {len(found)} recordings: {', '.join(found[:8])}"
+            remedy = f"name one: {path}/{found[0]}, or read them all with read_recordings"
+            raise RecordingError(what, where=str(path), remedy=remedy)
         inside = path, found[0]
     archive, member = inside
     with tempfile.TemporaryDirectory(prefix="exoid-") as folder:
@@ -214,9 +211,8 @@ def _unpack(archive: Path, member: str, target: Path, where: str) -> None:
             held = ", ".join(members(archive)[:10])
             raise RecordingError("the archive has no such member", where=where, remedy=f"it holds {held}")
         if entry.file_size > min(MOST_BYTES, shutil.disk_usage(target.parent).free // 2):
-            raise RecordingError(
-                f"the member unpacks to {entry.file_size / 1e9:.3g} GB", where=where, remedy="unpack it by hand"
-            )
+            what = f"the member unpacks to {entry.file_size / 1e9:.3g} GB"
+            raise RecordingError(what, where=where, remedy="unpack it by hand")
         if entry.flag_bits & 1:
             raise RecordingError("the archive is encrypted", where=where, remedy="unpack it by hand")
         with content.open(entry) as stream, target.open("wb") as out:
@@ -228,17 +224,13 @@ def _check(path: Path) -> None:
     with refused(RecordingError, "the file cannot be reached ({})", str(path)[:200], "check the path", NO_PATH):
         if not path.exists():
             if path.is_symlink():
-                raise RecordingError(
-                    "this is a link that leads nowhere", where=str(path), remedy="give the path of the file itself"
-                )
+                what = "this is a link that leads nowhere"
+                raise RecordingError(what, where=str(path), remedy="give the path of the file itself")
             raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path))
         kind = path.stat()
     if stat.S_ISDIR(kind.st_mode) and not is_bag(path):
-        raise RecordingError(
-            "this is a folder, not a recording",
-            where=str(path),
-            remedy=f"name one of its files, {path}/*.csv; read_recordings reads them all",
-        )
+        remedy = f"name one of its files, {path}/*.csv; read_recordings reads them all"
+        raise RecordingError("this is a folder, not a recording", where=str(path), remedy=remedy)
     if not (stat.S_ISREG(kind.st_mode) or is_bag(path)):
         raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")
 

@@ -150,11 +150,9 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
     """
     t = recording.t[recording.valid]
     if t.size < 2 or t[-1] - t[0] < SHORTEST:
-        raise NotEnoughDataError(
-            f"only {0.0 if t.size < 2 else t[-1] - t[0]:.2f} s of usable data",
-            where=recording.source.path or recording.name,
-            remedy=f"record at least {SHORTEST:g} s; 30 s of motion is a good start",
-        )
+        what = f"only {0.0 if t.size < 2 else t[-1] - t[0]:.2f} s of usable data"
+        remedy = f"record at least {SHORTEST:g} s; 30 s of motion is a good start"
+        raise NotEnoughDataError(what, where=recording.source.path or recording.name, remedy=remedy)
     step = float(np.median(np.diff(t)))
     grid = t[0] + step * np.arange(int(np.floor((t[-1] - t[0]) / step + 1e-6)) + 1)
     if grid.size == t.size and np.max(np.abs(grid - t)) < 1e-3 * step:

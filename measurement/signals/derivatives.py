@@ -46,11 +46,8 @@ def savgol(even: UniformSignals, band: float, where: str) -> Smoothed:
     half = max(ORDER, round(((ORDER + 1) / min(band / (0.5 * even.rate), 0.9) + 4.6) / 3.2))
     window = 2 * half + 1
     if window > len(even.q):
-        raise RecordingError(
-            f"the window of {window / even.rate:.2f} s is longer than the recording",
-            where=where,
-            remedy="use a faster cut-off or the butterworth derivative",
-        )
+        what = f"the window of {window / even.rate:.2f} s is longer than the recording"
+        raise RecordingError(what, where=where, remedy="use a faster cut-off or the butterworth derivative")
     q, dq, ddq = (
         savgol_filter(even.q, window, ORDER, deriv=order, delta=1.0 / even.rate, axis=0, mode="interp")
         for order in range(3)
@@ -65,11 +62,9 @@ def fourier(even: UniformSignals, band: float, where: str) -> Smoothed:
     """
     period = find_period(even)
     if period is None:
-        raise RecordingError(
-            "the motion does not repeat, so there are no periods to average",
-            where=where,
-            remedy="use the butterworth derivative, or record at least two periods of a Fourier trajectory",
-        )
+        what = "the motion does not repeat, so there are no periods to average"
+        remedy = "use the butterworth derivative, or record at least two periods of a Fourier trajectory"
+        raise RecordingError(what, where=where, remedy=remedy)
     harmonics = max(1, int(band * period))
     good = ~even.gap
     basis = _basis(even.t - even.t[0], period, harmonics)[0]

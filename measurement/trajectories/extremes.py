@@ -41,10 +41,8 @@ def margin(harmonics: int, grid: int) -> float:
     TrajectoryError where the grid has too few points to prove anything.
     """
     if grid <= 2 * harmonics:
-        raise TrajectoryError(
-            f"{grid} points cannot bound a motion with {harmonics} harmonics",
-            remedy=f"use more than {2 * harmonics} points per period",
-        )
+        what = f"{grid} points cannot bound a motion with {harmonics} harmonics"
+        raise TrajectoryError(what, remedy=f"use more than {2 * harmonics} points per period")
     return float(np.cos(np.pi * harmonics / grid))
 
 

@@ -60,15 +60,11 @@ class Fourier:
             object.__setattr__(self, name, read_only(getattr(self, name)))
         joints = self.offset.shape
         if len(joints) != 1 or not joints[0] or self.sine.shape != self.cosine.shape or self.sine.shape[:1] != joints:
-            raise TrajectoryError(
-                f"offset {self.offset.shape}, sine {self.sine.shape}, cosine {self.cosine.shape} do not fit",
-                remedy="give offset (J,), and sine and cosine of the same shape (J, harmonics)",
-            )
+            what = f"offset {self.offset.shape}, sine {self.sine.shape}, cosine {self.cosine.shape} do not fit"
+            raise TrajectoryError(what, remedy="give offset (J,), and sine and cosine of the same shape (J, harmonics)")
         if not SHORTEST_PERIOD <= self.period <= LONGEST_PERIOD:
-            raise TrajectoryError(
-                f"the period is {self.period} s, it must be positive",
-                remedy=f"give {SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s",
-            )
+            what = f"the period is {self.period} s, it must be positive"
+            raise TrajectoryError(what, remedy=f"give {SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s")
         largest = max(float(np.max(np.abs(x), initial=0.0)) for x in (self.offset, self.sine, self.cosine))
         if not largest <= LARGEST:
             raise TrajectoryError(f"a coefficient of {largest:g} rad", remedy=f"give numbers within ±{LARGEST:g} rad")
@@ -111,11 +107,8 @@ def largest_scale(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1) -
         centre = float(trajectory.offset[j])
         low, high = limit.angle
         if not low < centre < high:
-            raise TrajectoryError(
-                f"the motion's centre {centre:g} rad lies outside [{low:g}, {high:g}] rad",
-                where=joint,
-                remedy="move the offset inside the angle limits of the model",
-            )
+            what = f"the motion's centre {centre:g} rad lies outside [{low:g}, {high:g}] rad"
+            raise TrajectoryError(what, where=joint, remedy="move the offset inside the angle limits of the model")
         swing = motion.q[:, j] - centre
         use = max(
             float(swing.max()) / (high - centre),

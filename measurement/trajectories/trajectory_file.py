@@ -65,11 +65,8 @@ def read_trajectory(path: str | Path, joints: Sequence[str] = JOINTS) -> Fourier
         cosine.append(own.numbers("cosine", count))
     if len({len(one) for one in sine}) > 1:
         counts = (f"the {joint} has {len(one)}" for joint, one in zip(joints, sine, strict=True))
-        raise TrajectoryError(
-            f"harmonics differ: {', '.join(counts)}",
-            where=top.where,
-            remedy="fill the shorter lists with zeros",
-        )
+        what = f"harmonics differ: {', '.join(counts)}"
+        raise TrajectoryError(what, where=top.where, remedy="fill the shorter lists with zeros")
     return Fourier(np.array(offset), np.array(sine), np.array(cosine), top.number("period", above=0.0))
 
 

@@ -153,10 +153,8 @@ def motion_contest(
                   "rest": found.rest}  # fmt: skip
         other = [f"{name}={value!r}" for name, value in theirs.items() if value != getattr(usual, name)]
         if other:
-            raise ContestError(
-                f"this motion was designed with {', '.join(other)}, and those that compete are not",
-                remedy="give its model in place of it, or design it without",
-            )
+            what = f"this motion was designed with {', '.join(other)}, and those that compete are not"
+            raise ContestError(what, remedy="give its model in place of it, or design it without")
     leg = Model.standard() if model is None else model
     size = {"individuals": individuals, "generations": generations}
     given = {name: number for name, number in size.items() if number is not None}

@@ -187,11 +187,8 @@ def _proven(
     limit = delta_rule(data.residual(sse), use=data.use) if delta is None else delta
     certificate = certify(data, solve_huber(data, limit, sse), limit)
     if not certificate.holds:
-        raise ContestError(
-            f"there is no proven optimum to measure distances from: {certificate}",
-            where=name,
-            remedy="see with `exoid identify` what these recordings do not determine",
-        )
+        what = f"there is no proven optimum to measure distances from: {certificate}"
+        raise ContestError(what, where=name, remedy="see with `exoid identify` what these recordings do not determine")
     return Contest(
         name=name, data=data, delta=limit, sse_linear=sse, certificate=certificate, individuals=individuals,
         generations=generations,

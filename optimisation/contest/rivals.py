@@ -75,11 +75,8 @@ def rivals(
     if isinstance(subject, Excitation):
         asked = replace(asked, problem="excitation", criterion=subject.criterion)
     if asked.seeds < 2:
-        raise ContestError(
-            "one seed cannot show run-to-run variation",
-            where=f"--seeds {asked.seeds}",
-            remedy=f"give two at least, better {SEEDS}",
-        )
+        what = "one seed cannot show run-to-run variation"
+        raise ContestError(what, where=f"--seeds {asked.seeds}", remedy=f"give two at least, better {SEEDS}")
     contest = _contest(subject, recordings, asked)
     searches = _searches(asked)
     seeds = range(asked.seed, asked.seed + asked.seeds)
@@ -113,9 +110,8 @@ def _contest(subject: Any, recordings: Any, asked: ContestSettings) -> ContestSu
         return subject
     if asked.problem == "excitation":
         if recordings or not (subject is None or isinstance(subject, (Model, Excitation))):
-            raise ContestError(
-                "motions compete on a model alone", remedy="give no recordings and no fit, or leave out `problem`"
-            )
+            what = "motions compete on a model alone"
+            raise ContestError(what, remedy="give no recordings and no fit, or leave out `problem`")
         found = subject if isinstance(subject, Excitation) else None
         model = subject.model if isinstance(subject, Excitation) else subject
         return motion_contest(model, asked.criterion, asked.seed, asked.individuals, asked.generations, found)

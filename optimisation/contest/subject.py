@@ -46,10 +46,8 @@ class ContestSubject(ABC):
 
     def __post_init__(self) -> None:
         if self.individuals < 4 or self.generations < 2:
-            raise ContestError(
-                f"{self.individuals} individuals for {self.generations} generations are no comparison",
-                remedy="give at least 4 individuals and 2 generations",
-            )
+            what = f"{self.individuals} individuals for {self.generations} generations are no comparison"
+            raise ContestError(what, remedy="give at least 4 individuals and 2 generations")
 
     @property
     def budget(self) -> int:

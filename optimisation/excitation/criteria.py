@@ -60,10 +60,9 @@ class Noise(AsJson):
                 f"{given.size} numbers of noise for {len(joints)} joints", remedy="give one, or one per joint"
             )
         if not (np.all((given >= LEAST_NOISE) & (given <= MOST_NOISE)) and 1e-3 <= rate <= 1e7):
-            raise TrajectoryError(
-                f"noise of {', '.join(f'{x:g}' for x in given)} {units(joints, 'tau')} at {rate:g} Hz",
-                remedy=f"give {LEAST_NOISE:g} to {MOST_NOISE:g} {units(joints, 'tau')}, and a rate of 0.001 to 1e7 Hz",
-            )
+            what = f"noise of {', '.join(f'{x:g}' for x in given)} {units(joints, 'tau')} at {rate:g} Hz"
+            remedy = f"give {LEAST_NOISE:g} to {MOST_NOISE:g} {units(joints, 'tau')}, and a rate of 0.001 to 1e7 Hz"
+            raise TrajectoryError(what, remedy=remedy)
         if sd is None:
             sd, source = Sensors().torque_noise, "the torque sensors of the virtual bench"
         each = np.broadcast_to(np.ravel(np.asarray(sd, dtype=float)), (len(joints),))

@@ -114,14 +114,11 @@ def motion_space(
     motion is left or the paper's centre is outside the limits.
     """
     if not (SHORTEST_PERIOD <= period <= LONGEST_PERIOD and 1 <= harmonics <= 20):
-        raise TrajectoryError(
-            f"a motion of {period:g} s with {harmonics} harmonics",
-            remedy=f"give a period of {SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s and 1 to 20 harmonics",
-        )
+        remedy = f"give a period of {SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s and 1 to 20 harmonics"
+        raise TrajectoryError(f"a motion of {period:g} s with {harmonics} harmonics", remedy=remedy)
     if rest and harmonics < 2:
-        raise TrajectoryError(
-            "with one harmonic nothing but standing still starts at rest", remedy="use at least two harmonics"
-        )
+        what = "with one harmonic nothing but standing still starts at rest"
+        raise TrajectoryError(what, remedy="use at least two harmonics")
     if offsets not in OFFSETS:
         raise TrajectoryError(f"offsets {offsets!r}", remedy=f"one of: {', '.join(OFFSETS)}")
     rates = np.arange(1, harmonics + 1) * (2.0 * np.pi / period)
@@ -140,11 +137,8 @@ def motion_space(
 def _inside(centre: Float, limits: Float, joints: Sequence[str]) -> Float:
     for joint, value, (low, high, *_) in zip(joints, centre, limits, strict=True):
         if not low < value < high:
-            raise TrajectoryError(
-                f"the motion's centre {value:g} rad lies outside [{low:g}, {high:g}] rad",
-                where=joint,
-                remedy="use the middle of the range or free offsets",
-            )
+            what = f"the motion's centre {value:g} rad lies outside [{low:g}, {high:g}] rad"
+            raise TrajectoryError(what, where=joint, remedy="use the middle of the range or free offsets")
     return centre
 
 

@@ -57,19 +57,13 @@ class Neighbours:
         """Return what to be careful about; nothing where they agree."""
         at = {e.name: e for e in self.fit.estimates}
         remedy = "do not trust its interval: something is missing or noise reaches the accelerations; `exoid diagnose`"
-        return tuple(
-            Finding(
-                "cut_off",
-                "warning",
-                f"{value:.4g} {at[name].unit} at {cutoff:g} Hz, outside its interval "
-                f"{at[name].low:.4g} to {at[name].high:.4g} at {self.cutoff:g} Hz",
-                name,
-                value,
-                at[name].high if value > at[name].high else at[name].low,
-                remedy,
-            )
-            for name, cutoff, value in self.moved
-        )
+        found = []
+        for name, cutoff, value in self.moved:
+            own = at[name]
+            what = f"{value:.4g} {own.unit} at {cutoff:g} Hz, outside its interval {own.low:.4g} to {own.high:.4g}"
+            passed = own.high if value > own.high else own.low
+            found.append(Finding("cut_off", "warning", f"{what} at {self.cutoff:g} Hz", name, value, passed, remedy))
+        return tuple(found)
 
     def to_json(self) -> dict[str, Any]:
         """Return cut-offs, values by parameter, and what moved, in plain types."""

@@ -25,11 +25,8 @@ def shape_method(name: str, full: bool, seed: int) -> ShapeMethod:
     """Return how shapes are searched; refuses a name that is neither "multistart" nor an optimiser."""
     known = {} if name == MULTISTART else optimiser_kinds()
     if name != MULTISTART and name not in known:
-        raise ExoidError(
-            f"there is no way to search shapes called {name!r}",
-            where="shape_search",
-            remedy=f"use {MULTISTART}, {', '.join(known)}",
-        )
+        what = f"there is no way to search shapes called {name!r}"
+        raise ExoidError(what, where="shape_search", remedy=f"use {MULTISTART}, {', '.join(known)}")
     if name == MULTISTART and not full:
         return GRID
     optimiser = None if name == MULTISTART else known[name]()

@@ -72,18 +72,12 @@ class ThighLength(AsJson):
 
     def finding(self) -> Finding:
         """Return the answer as a finding: a warning where the length seems to be wrong."""
+        said = self.sentence, "all recordings", self.value if self.told else None, self.assumed
+        if not self.wrong:
+            return Finding("thigh_length", "info", *said)
         remedy = f"measure it, and give it in a model file: [geometry] thigh_length = {self.value:.3g}"
-        return Finding(
-            "thigh_length",
-            "warning" if self.wrong else "info",
-            self.sentence,
-            "all recordings",
-            self.value if self.told else None,
-            self.assumed,
-            remedy if self.wrong else "",
-            consequence="Φ1 to Φ4 and every torque of weight are wrong" if self.wrong else "",
-            confidence="likely" if self.wrong else "certain",
-        )
+        consequence = "Φ1 to Φ4 and every torque of weight are wrong"
+        return Finding("thigh_length", "warning", *said, remedy, consequence, "likely")
 
     def _json(self) -> dict[str, Any]:
         return {

@@ -180,7 +180,7 @@ class Experiments:
     def boxes(self) -> Rivals:
         """NFO with an infinite penalty in boxes of several sizes, and with rescaled motions."""
         done = {NARROW: "nfo_penalty", None: "nfo"}
-        missing = {_within(half): _boxed(half) for half in BOXES if half not in done}
+        missing = {_within(half): MotionEntrant(NFO(), penalised=True, half=half) for half in BOXES if half not in done}
         found = self._competing(self.motions, missing)
         both = {**found.outcomes, **{_within(half): self.on_motions.outcomes[name] for half, name in done.items()}}
         names = [_within(half) for half in (*BOXES, None)]
@@ -246,10 +246,6 @@ def _record(model: Model, seed: int, excitation: Fourier | None) -> BenchRun:
     return run_bench(
         model, paper_leg(), excitation=excitation, seed=seed, bench=Bench(duration=DURATION, rate=RATE)
     )
-
-
-def _boxed(half: float) -> MotionEntrant:
-    return MotionEntrant(NFO(), penalised=True, half=half)
 
 
 def _within(half: float | None) -> str:

@@ -83,11 +83,8 @@ def reproduce_paper(
     """
     began, say = time.perf_counter(), progress or silent
     if seeds < 2:
-        raise PaperError(
-            "one seed cannot show run-to-run variation",
-            where=f"--seeds {seeds}",
-            remedy=f"give two at least, or {SEEDS}",
-        )
+        what = "one seed cannot show run-to-run variation"
+        raise PaperError(what, where=f"--seeds {seeds}", remedy=f"give two at least, or {SEEDS}")
     chosen = _chosen({"figure": figure, "table": table, "equation": equation})
     experiments = Experiments(seed, seeds)
     answered: list[Answered] = []

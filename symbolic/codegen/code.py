@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.files import sha256
-from exoid.ground.text import in_comment
+from exoid.ground.text import filled, in_comment
 from exoid.symbolic.codegen.equation import Expressions, model_expressions
 from exoid.symbolic.codegen.fingerprint import equations_key, joint_record, library_versions
+from exoid.symbolic.codegen.instructions import template
 from exoid.symbolic.codegen.layout import state_names, widths
 from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.mechanics.regressor import derive_regressor
@@ -226,29 +227,11 @@ def _loops(model: Model, memories: int, entries: int) -> str:
     text = f"\n/* Loops over samples: `state` (n, {states}), `memory` (n, K), `extra` and `out` row by row. */\n"
     text += '#ifdef __cplusplus\nextern "C" {\n#endif\n'
     for name, width in {"columns": entries, **widths(joints, model.spatial)}.items():
-        text += _LOOP.format(
-            prefix=PREFIX, name=name, width=width, extra=extras.get(name, 0), memories=memories, states=states
-        )
+        text += "\n" + filled(template("loop.c.in"), {
+            "PREFIX": PREFIX, "NAME": name, "WIDTH": width, "EXTRA": extras.get(name, 0), "MEMORIES": memories,
+            "STATES": states,
+        })  # fmt: skip
     return text + "#ifdef __cplusplus\n}\n#endif\n"
-
-
-_LOOP = """
-CASADI_SYMBOL_EXPORT void {prefix}_{name}_many(long n, const double *state, const double *linear,
-    const double *shape, const double *memory, const double *extra, double *out) {{
-  long k;
-  for (k = 0; k < n; ++k) {{
-    const casadi_real *arg[5];
-    casadi_real *res[1];
-    arg[0] = state + k * {states};
-    arg[1] = linear;
-    arg[2] = shape;
-    arg[3] = memory ? memory + k * {memories} : 0;
-    arg[4] = extra ? extra + k * {extra} : 0;
-    res[0] = out + k * {width};
-    {prefix}_{name}(arg, res, 0, 0, 0);
-  }}
-}}
-"""
 
 
 def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:

@@ -292,11 +292,9 @@ class _Builder:
             slope = self._without(ca.jacobian(self._without(torque, own[k + 1 :]), symbol), [])
             parameter = next(p for p in range(len(self.model.parameters)) if ca.is_equal(self.linear[p], symbol))
             if ca.depends_on(slope, symbol):
-                raise EffectError(
-                    f"the torque is not linear in {self.model.parameters[parameter].name}",
-                    where=str(self.model.parameters[parameter].term),
-                    remedy="declare it as a shape with bounds instead of a coefficient",
-                )
+                what = f"the torque is not linear in {self.model.parameters[parameter].name}"
+                remedy = "declare it as a shape with bounds instead of a coefficient"
+                raise EffectError(what, where=str(self.model.parameters[parameter].term), remedy=remedy)
             if not ca.SX(slope).is_zero():
                 self.columns.append((joint, parameter, ca.SX(slope)))
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 import platform
-import re
 import sys
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import astuple
 from functools import lru_cache
 from pathlib import Path
@@ -15,8 +13,7 @@ from types import CodeType
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-from exoid.ground.cache import cache_folder, read_trusted
-from exoid.ground.files import sha256, write_whole
+from exoid.ground.files import sha256
 from exoid.symbolic.joints import HERE, Joint
 
 if TYPE_CHECKING:
@@ -107,26 +104,10 @@ def canonical_json(content: Any) -> str:
 
 @lru_cache(maxsize=1)
 def generator_key() -> str:
-    """Return the hash of what the code that derives and generates computes: a change in it makes every compiled model
-    stale, a reworded docstring or error message does not.
-
-    Reducing the files takes some tenths of a second, so the answer for files of this content is kept in the cache.
-    """
+    """Return the hash of the code that derives and generates: any change in it makes every compiled model stale."""
     folder = Path(__file__).parents[1]
-    contents = [path.read_bytes() for part in GENERATING for path in sorted((folder / part).glob("*.py"))]
-    note = cache_folder() / f"generator-{sha256(''.join(sha256(content) for content in contents))[:40]}"
-    try:
-        found = read_trusted(note, 64).decode("ascii")
-        if re.fullmatch("[0-9a-f]{64}", found):
-            return found
-    except (OSError, ValueError):
-        pass
-    from exoid.symbolic.codegen.pruned import computing_part
-
-    key = sha256("".join(sha256(computing_part(content.decode())) for content in contents))
-    with suppress(OSError):  # a cache that cannot be written costs the next process that time
-        write_whole(note, key, at_once=True, inside=note.parent)
-    return key
+    files = [path for part in GENERATING for path in sorted((folder / part).glob("*.*"))]
+    return sha256("".join(sha256(path.read_bytes()) for path in files))
 
 
 @lru_cache(maxsize=1)

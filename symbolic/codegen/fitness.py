@@ -16,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from exoid.ground.text import filled
 from exoid.symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from exoid.symbolic.codegen.compiler import FAST
-from exoid.symbolic.codegen.instructions import scalar_c
+from exoid.symbolic.codegen.instructions import scalar_c, template
 from exoid.symbolic.motion import Float
 
 LANES = 4
@@ -203,19 +204,16 @@ def kernel_source(entries: Entries, size: int, joints: int) -> str:
     passes = []
     for name in ("sse", "huber"):
         inputs, lanes = range(len(entries) + joints), range(LANES)
-        passes.append(
-            _PASS.format(
-                name=name,
-                loads="\n".join(f"    const double y{k} = data[{k} * {CHUNK} + n];" for k in inputs),
-                numbers="\n".join(f"  const double p{k} = phi[{k}];" for k in range(size * LANES)),
-                thresholds="\n".join(f"  const double d{j} = delta ? delta[{j}] : 0;" for j in range(joints)),
-                sums=", ".join(f"s{k} = 0" for k in lanes),
-                reduction=",".join(f"s{k}" for k in lanes),
-                body=_terms(name, entries, size, joints),
-                add="\n".join(f"  out[{k}] += s{k};" for k in lanes),
-            )
-        )
-    return _HEADER + "".join(passes) + _ENTRY.format(size=size, lanes=LANES, chunk=CHUNK, rows=len(entries) + joints)
+        passes.append(filled(template("fitness_pass.c.in"), {
+            "NAME": name,
+            "LOADS": "\n".join(f"    const double y{k} = data[{k} * {CHUNK} + n];" for k in inputs),
+            "NUMBERS": "\n".join(f"  const double p{k} = phi[{k}];" for k in range(size * LANES)),
+            "THRESHOLDS": "\n".join(f"  const double d{j} = delta ? delta[{j}] : 0;" for j in range(joints)),
+            "SUMS": ", ".join(f"s{k} = 0" for k in lanes), "REDUCTION": ",".join(f"s{k}" for k in lanes),
+            "BODY": _terms(name, entries, size, joints), "ADD": "\n".join(f"  out[{k}] += s{k};" for k in lanes),
+        }))  # fmt: skip
+    sizes = {"SIZE": size, "LANES": LANES, "CHUNK": CHUNK, "ROWS": len(entries) + joints}
+    return filled(template("fitness.c.in"), {"PASSES": "\n".join(passes), **sizes})
 
 
 def _terms(name: str, entries: Entries, size: int, joints: int) -> str:
@@ -244,46 +242,3 @@ def _terms(name: str, entries: Entries, size: int, joints: int) -> str:
     counts = {"y": y.numel(), "p": phi.numel(), "d": joints}
     inputs = [[f"{letter}{k}" for k in range(count)] for letter, count in counts.items()]
     return scalar_c(function, inputs, "s{k} += {value};")
-
-
-_HEADER = """/* Written by exoid for one pattern of zeros of the regressor. */
-#include <math.h>
-#include <stddef.h>
-"""
-
-_PASS = """
-static void {name}_pass(long samples, const double *restrict data, const double *restrict phi,
-                        const double *restrict delta, double *restrict out) {{
-{numbers}
-{thresholds}
-  double {sums};
-#pragma omp simd reduction(+:{reduction})
-  for (long n = 0; n < samples; ++n) {{
-{loads}
-{body}
-  }}
-{add}
-}}
-"""
-
-_ENTRY = """
-#define SIZE {size}
-#define LANES {lanes}
-#define CHUNK {chunk}
-#define BLOCK ({rows} * CHUNK)
-
-void exoid_fitness(long samples, const double *data, long count, const double *population, const double *delta,
-                   double *out) {{
-  for (long from = 0; from < samples; from += CHUNK, data += BLOCK) {{
-    const long here = samples - from < CHUNK ? samples - from : CHUNK;
-    for (long i = 0; i < count; i += LANES) {{
-      double phi[SIZE * LANES] = {{0}}, loss[LANES] = {{0}};
-      const long lanes = count - i < LANES ? count - i : LANES;
-      for (long k = 0; k < lanes * SIZE; ++k) phi[k] = population[i * SIZE + k];
-      if (delta) huber_pass(here, data, phi, delta, loss);
-      else sse_pass(here, data, phi, delta, loss);
-      for (long k = 0; k < lanes; ++k) out[i + k] += loss[k];
-    }}
-  }}
-}}
-"""

@@ -7,9 +7,11 @@ documented interface, so that no text has to be searched and replaced.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import operator
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -31,26 +33,11 @@ FORMS: Mapping[str, str] = MappingProxyType(
 )  # fmt: skip
 """CasADi's operation -> C."""
 
-PREAMBLE = """
-/* Sine without a library call, so that loops with it vectorise: reduced to a half turn, then its Taylor series, whose
-   first term left out is below 1e-16 there. Good to 4e-16 for the few radians of a joint. */
-static inline double exoid_sin(double x) {
-  const double k = rint(x * 0.31830988618379067154);
-  const double y = x - k * 3.14159265358979323846, z = y * y;
-  const double sign = 1.0 - 2.0 * fabs(k - 2.0 * rint(0.5 * k));
-  double p = 1.9572941063391263e-20;
-  p = p * z - 8.2206352466243297e-18;
-  p = p * z + 2.8114572543455208e-15;
-  p = p * z - 7.6471637318198165e-13;
-  p = p * z + 1.6059043836821613e-10;
-  p = p * z - 2.5052108385441719e-08;
-  p = p * z + 2.7557319223985893e-06;
-  p = p * z - 1.9841269841269841e-04;
-  p = p * z + 8.3333333333333333e-03;
-  p = p * z - 1.6666666666666667e-01;
-  return sign * (y + y * z * p);
-}
-"""
+
+@cache
+def template(name: str) -> str:
+    """Return a file of this folder that is C, with @KEY@ where `exoid.ground.text.filled` puts what a model needs."""
+    return Path(__file__).with_name(name).read_text("utf-8")
 
 
 @dataclass(frozen=True)
@@ -110,3 +97,38 @@ def scalar_c(function: Any, inputs: Sequence[Sequence[str]], store: str, languag
         lines.append(language.line.format(place=f"v{step}", value=value))
         held[made[0]] = f"v{step}"
     return "\n".join(f"{language.indent}{line}" for line in lines)
+
+
+ARITHMETIC: Mapping[str, Callable[..., Any]] = MappingProxyType(
+    {
+        "ASSIGN": lambda a: a, "ADD": operator.add, "SUB": operator.sub, "MUL": operator.mul, "DIV": operator.truediv,
+        "NEG": operator.neg, "SQ": lambda a: a * a, "TWICE": lambda a: 2 * a, "INV": lambda a: 1 / a,
+        "POW": operator.pow, "CONSTPOW": operator.pow,
+    }
+)  # fmt: skip
+"""CasADi's operation in any kind of number that Python can reckon with."""
+
+
+def evaluated(
+    function: Any, inputs: Sequence[Any], operations: Mapping[str, Callable[..., Any]], number: Callable[[float], Any]
+) -> list[list[Any]]:
+    """Return the entries of every output of an SX `function` at `inputs`, one sequence for each argument, in the kind
+    of number that `operations`, by CasADi's names, and `number` make. KeyError for an operation that is not there.
+    """
+    import casadi
+
+    known = {getattr(casadi, f"OP_{name}"): does for name, does in operations.items()}
+    held: dict[int, Any] = {}
+    out: list[list[Any]] = [[number(0.0)] * function.nnz_out(k) for k in range(function.n_out())]
+    for step in range(function.n_instructions()):
+        operation = function.instruction_id(step)
+        given, made = function.instruction_input(step), function.instruction_output(step)
+        if operation == casadi.OP_OUTPUT:
+            out[made[0]][made[1]] = held[given[0]]
+        elif operation == casadi.OP_INPUT:
+            held[made[0]] = inputs[given[0]][given[1]]
+        elif operation == casadi.OP_CONST:
+            held[made[0]] = number(float(function.instruction_constant(step)))
+        else:
+            held[made[0]] = known[operation](*(held[place] for place in given))
+    return out

@@ -2,33 +2,22 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any
+
+from exoid.symbolic.codegen.instructions import ARITHMETIC, evaluated
 
 DIGITS = 40
 
 
 def evaluate_precisely(function: Any, inputs: Sequence[Any]) -> list[Any]:
     """Return the first output (n,) of an SX `function` at `inputs` (one sequence per argument) as mpmath numbers."""
-    import casadi
     import mpmath  # type: ignore[import-untyped]
 
     with mpmath.workdps(DIGITS):
-        table = _operations(casadi, mpmath)
-        work: dict[int, Any] = {}
-        result: list[Any] = [mpmath.mpf(0)] * function.nnz_out(0)
-        for k in range(function.n_instructions()):
-            operation, output = function.instruction_id(k), function.instruction_output(k)
-            given = function.instruction_input(k)
-            if operation == casadi.OP_CONST:
-                work[output[0]] = mpmath.mpf(function.instruction_constant(k))
-            elif operation == casadi.OP_INPUT:
-                work[output[0]] = mpmath.mpf(float(inputs[given[0]][given[1]]))
-            elif operation == casadi.OP_OUTPUT:
-                result[output[1]] = work[given[0]]
-            else:
-                work[output[0]] = table[operation](*(work[place] for place in given))
-        return result
+        exact = [[mpmath.mpf(float(value)) for value in part] for part in inputs]
+        return evaluated(function, exact, _operations(mpmath), mpmath.mpf)[0]
 
 
 def in_span(columns: Sequence[Sequence[Any]], column: Sequence[Any], tolerance: float) -> bool:
@@ -55,36 +44,14 @@ def _reduced(mpmath: Any, basis: list[list[Any]], column: Sequence[Any]) -> tupl
     return rest, mpmath.sqrt(mpmath.fsum(value**2 for value in rest))
 
 
-def _operations(casadi: Any, mp: Any) -> dict[int, Callable[..., Any]]:
+def _operations(mp: Any) -> dict[str, Callable[..., Any]]:
     return {
-        casadi.OP_ASSIGN: lambda a: a,
-        casadi.OP_ADD: lambda a, b: a + b,
-        casadi.OP_SUB: lambda a, b: a - b,
-        casadi.OP_MUL: lambda a, b: a * b,
-        casadi.OP_DIV: lambda a, b: a / b,
-        casadi.OP_NEG: lambda a: -a,
-        casadi.OP_SQ: lambda a: a * a,
-        casadi.OP_TWICE: lambda a: 2 * a,
-        casadi.OP_INV: lambda a: 1 / a,
-        casadi.OP_SQRT: mp.sqrt,
-        casadi.OP_POW: lambda a, b: a**b,
-        casadi.OP_CONSTPOW: lambda a, b: a**b,
-        casadi.OP_EXP: mp.exp,
-        casadi.OP_LOG: mp.log,
-        casadi.OP_SIN: mp.sin,
-        casadi.OP_COS: mp.cos,
-        casadi.OP_TAN: mp.tan,
-        casadi.OP_TANH: mp.tanh,
-        casadi.OP_FABS: abs,
-        casadi.OP_SIGN: mp.sign,
-        casadi.OP_FMIN: min,
-        casadi.OP_FMAX: max,
-        casadi.OP_LT: lambda a, b: mp.mpf(a < b),
-        casadi.OP_LE: lambda a, b: mp.mpf(a <= b),
-        casadi.OP_EQ: lambda a, b: mp.mpf(a == b),
-        casadi.OP_NE: lambda a, b: mp.mpf(a != b),
-        casadi.OP_NOT: lambda a: mp.mpf(not a),
-        casadi.OP_AND: lambda a, b: mp.mpf(bool(a) and bool(b)),
-        casadi.OP_OR: lambda a, b: mp.mpf(bool(a) or bool(b)),
-        casadi.OP_IF_ELSE_ZERO: lambda condition, a: a if condition else mp.mpf(0),
-    }
+        **ARITHMETIC, "FABS": abs, "FMIN": min, "FMAX": max,
+        **{name.upper(): getattr(mp, name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sign")},
+        **{
+            name: lambda a, b, does=does: mp.mpf(bool(does(a, b)))
+            for name, does in (("LT", operator.lt), ("LE", operator.le), ("EQ", operator.eq), ("NE", operator.ne))
+        },
+        "NOT": lambda a: mp.mpf(not a), "AND": lambda a, b: mp.mpf(bool(a) and bool(b)),
+        "OR": lambda a, b: mp.mpf(bool(a) or bool(b)), "IF_ELSE_ZERO": lambda true, a: a if true else mp.mpf(0),
+    }  # fmt: skip

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from typing import Any
 
+from exoid.symbolic.codegen.instructions import ARITHMETIC, evaluated
 from exoid.symbolic.language.lower import power
 
 
@@ -49,7 +50,9 @@ def _functions(casadi: Any) -> Mapping[str, Callable[..., Any]]:
     return {
         "Add": fold(operator.add),
         "Mul": fold(operator.mul),
-        "Pow": lambda base, exponent: casadi.sqrt(base) if _is_half(exponent) else casadi.power(base, exponent),
+        "Pow": lambda base, exponent: (
+            casadi.sqrt(base) if exponent.is_constant() and float(exponent) == 0.5 else casadi.power(base, exponent)
+        ),
         "Abs": casadi.fabs,
         "Max": fold(casadi.fmax),
         "Min": fold(casadi.fmin),
@@ -66,21 +69,7 @@ def sympy_from_casadi(wanted: Sequence[Any], inputs: Sequence[Any], values: Sequ
 
     flat = [casadi.densify(casadi.vec(casadi.SX(one).T)) for one in wanted]
     function = casadi.Function("expressions", list(inputs), flat, {"cse": False})
-    table = _back(casadi)
-    held: dict[int, Any] = {}
-    out: list[list[Any]] = [[0] * one.numel() for one in flat]
-    for step in range(function.n_instructions()):
-        operation = function.instruction_id(step)
-        given, made = function.instruction_input(step), function.instruction_output(step)
-        if operation == casadi.OP_OUTPUT:
-            out[made[0]][made[1]] = held[given[0]]
-        elif operation == casadi.OP_INPUT:
-            held[made[0]] = values[given[0]]
-        elif operation == casadi.OP_CONST:
-            held[made[0]] = _number(float(function.instruction_constant(step)))
-        else:
-            held[made[0]] = table[operation](*(held[place] for place in given))
-    return out
+    return evaluated(function, [[value] for value in values], _back(), _number)
 
 
 def _number(value: float) -> Any:
@@ -90,22 +79,10 @@ def _number(value: float) -> Any:
     return sympy.Rational(value) if (2.0 * value).is_integer() else sympy.Float(value)
 
 
-def _back(casadi: Any) -> Mapping[int, Callable[..., Any]]:
+def _back() -> Mapping[str, Callable[..., Any]]:
     """Return how each operation of CasADi is written in SymPy."""
     import sympy
 
-    return {
-        casadi.OP_ASSIGN: lambda a: a, casadi.OP_ADD: operator.add, casadi.OP_SUB: operator.sub,
-        casadi.OP_MUL: operator.mul, casadi.OP_DIV: operator.truediv, casadi.OP_NEG: operator.neg,
-        casadi.OP_SQ: lambda a: a * a, casadi.OP_TWICE: lambda a: 2 * a, casadi.OP_INV: lambda a: 1 / a,
-        casadi.OP_POW: operator.pow, casadi.OP_CONSTPOW: operator.pow, casadi.OP_FABS: sympy.Abs,
-        casadi.OP_FMIN: sympy.Min, casadi.OP_FMAX: sympy.Max,
-        **{
-            getattr(casadi, f"OP_{name.upper()}"): getattr(sympy, name)
-            for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "sign")
-        },
-    }  # fmt: skip
-
-
-def _is_half(exponent: Any) -> bool:
-    return bool(exponent.is_constant() and float(exponent) == 0.5)
+    names = ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "sign")
+    own = {"FABS": sympy.Abs, "FMIN": sympy.Min, "FMAX": sympy.Max}
+    return {**ARITHMETIC, **own, **{name.upper(): getattr(sympy, name) for name in names}}

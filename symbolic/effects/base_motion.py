@@ -1,4 +1,4 @@
-"""The pelvis sways: the hip is accelerated harmonically, forwards and upwards.
+"""The base oscillates: the hip is accelerated harmonically, forwards and upwards.
 
 Derived from the leg on a base with acceleration a(t) = a_s sin(2π f t + phi) + a_c cos(2π f t + phi) in each direction.
 It acts on the masses as gravity does, so its amplitudes are known in m/s² once the inertial parameters are. Frequency
@@ -32,7 +32,7 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 EFFECT = Effect(
     id="base_motion",
     title="Swaying base",
-    explains="What the machine hangs from sways (a soft stand, a walking wearer), and shakes it.",
+    explains="The base oscillates (a soft stand, a walking wearer) and shakes the machine.",
     derive=derive,
     joints=("both",),
     machines="planar",
@@ -43,7 +43,7 @@ EFFECT = Effect(
         "z_c": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.0, explains="upward, cosine part"),
     },
     shape={
-        "f": Shape("Hz", min=0.2, max=5.0, points=200, typical=1.0, explains="frequency of the sway"),
+        "f": Shape("Hz", min=0.2, max=5.0, points=200, typical=1.0, explains="frequency of the oscillation"),
         "phi": Shape(
             "rad",
             min=-4.0,

@@ -29,7 +29,7 @@ EFFECT = Effect(
         "law": Shape("1", 0.0, 1.0, choices=(0.0, 1.0), typical=0.0, explains="0: Dahl, 1: three slip elements"),
     },
     explains=(
-        "After a reversal the joint first gives way like a spring, and friction takes a small angle to "
+        "After a reversal the joint first deflects like a spring, and friction takes a small angle to "
         "reach its full size."
     ),
     tells_apart=("Many small reversals of different size, at speeds so low that viscous friction does not matter."),

@@ -24,7 +24,7 @@ EFFECT = Effect(
             explains="inertia over stiffness; positive: encoder at the joint, negative: at the motor",
         )
     },
-    explains="Gear or belt give way under load, so that the motor moves before the joint does.",
+    explains="Gear or belt deform under load, so that the motor moves before the joint does.",
     tells_apart=("Fast small oscillations at several frequencies up to the resonance, and with the output clamped."),
     reference=(
         "Spong, Modeling and control of elastic joint robots, ASME Journal of Dynamic Systems, "

@@ -18,7 +18,7 @@ EFFECT = Effect(
         "c": Coefficient("rad/(N·m)", min=0.0, typical=0.001, explains="compliance 1/K of gear, belt or cable")
     },
     explains=(
-        "Gear, belt or cable give way under load, and the encoder sits before them: the joint is not where it says, "
+        "Gear, belt or cable deform under load, and the encoder sits before them: the joint is not where it says, "
         "which all joints feel."
     ),
     tells_apart=(

@@ -61,11 +61,9 @@ def to_numpy(
         finite = np.isfinite(values.sum()) or np.isfinite(values).all()
     if not finite:
         sample = int(np.argmin(np.isfinite(np.atleast_1d(values))))
-        raise ExpressionError(
-            f"the torque is not a finite number at sample {sample}",
-            where=to_text(node),
-            remedy="keep log, sqrt, exp and / away from where they have no value, for example with max(...)",
-        )
+        what = f"the torque is not a finite number at sample {sample}"
+        remedy = "keep log, sqrt, exp and / away from where they have no value, for example with max(...)"
+        raise ExpressionError(what, where=to_text(node), remedy=remedy)
     return values
 
 
@@ -168,9 +166,8 @@ def known(name: str, env: Mapping[str, Any]) -> Any:
         return env[name]
     if name in CONSTANTS:
         return CONSTANTS[name]
-    raise ExpressionError(
-        f"{name!r} has no value here", where=name, remedy="values are given for: " + ", ".join(sorted(env))
-    )
+    what = f"{name!r} has no value here"
+    raise ExpressionError(what, where=name, remedy="values are given for: " + ", ".join(sorted(env)))
 
 
 def with_memory(word: str, t: Any, x: Any, *parameter: Any) -> Float:
@@ -184,11 +181,8 @@ def _constant(word: str, parameter: Any) -> Float | float:
     """Return a number, or one (V, 1) for each of V trials."""
     value = np.asarray(parameter)
     if value.ndim and (value.ndim < 2 or value.shape[-1] > 1):
-        raise ExpressionError(
-            f"the second argument of {word} varies with the motion",
-            where=word,
-            remedy="give a number or a shape parameter",
-        )
+        what = f"the second argument of {word} varies with the motion"
+        raise ExpressionError(what, where=word, remedy="give a number or a shape parameter")
     return value if value.ndim else float(value)
 
 

@@ -41,9 +41,8 @@ def tokenize(text: str) -> list[Token]:
     language.
     """
     if not isinstance(text, str):
-        raise ExpressionError(
-            f"a torque must be a text, not {type(text).__name__}", remedy='write it in quotes: "c * dtheta"'
-        )
+        what = f"a torque must be a text, not {type(text).__name__}"
+        raise ExpressionError(what, remedy='write it in quotes: "c * dtheta"')
     if len(text) > LONGEST_TEXT:
         raise refusal(
             f"the torque text has {len(text)} characters, {LONGEST_TEXT} are allowed",

@@ -45,11 +45,8 @@ def lower(node: Node, table: Spelling) -> Any:
     if node.function == "sgn" and isinstance(node.arguments[0], Name) and node.arguments[0].name in table.signs:
         return table.signs[node.arguments[0].name]
     if node.function not in table.functions:
-        raise ExpressionError(
-            f"{node.function} needs a whole recording and cannot be written here",
-            where=f"{node.function}(...)",
-            remedy="replace it by a named input (split_memory)",
-        )
+        what = f"{node.function} needs a whole recording and cannot be written here"
+        raise ExpressionError(what, where=f"{node.function}(...)", remedy="replace it by a named input (split_memory)")
     if (found := table.shortcut(node)) is not None:
         return found
     return table.functions[node.function](*(lower(argument, table) for argument in node.arguments))

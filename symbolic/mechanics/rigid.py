@@ -70,11 +70,8 @@ def _call(term: Term, mechanism: Mechanism, symbols: Mapping[str, Symbol]) -> An
     outcome = derive(mechanism, symbols) if derive is not None else None
     if isinstance(outcome, Mechanism) or (isinstance(outcome, (tuple, list)) and len(outcome) == len(mechanism.links)):
         return outcome
-    raise EffectError(
-        f"derive() returned {type(outcome).__name__}",
-        where=term.effect.id,
-        remedy="return the changed Mechanism, or a SymPy torque for every joint",
-    )
+    remedy = "return the changed Mechanism, or a SymPy torque for every joint"
+    raise EffectError(f"derive() returned {type(outcome).__name__}", where=term.effect.id, remedy=remedy)
 
 
 def _slope(torque: Matrix, k: int, coefficients: Sequence[Symbol]) -> Matrix:
@@ -86,9 +83,7 @@ def _slope(torque: Matrix, k: int, coefficients: Sequence[Symbol]) -> Matrix:
     later = dict.fromkeys(coefficients[k + 1 :], 0)
     slope: Matrix = torque.subs(later).diff(coefficients[k]).applyfunc(expand)
     if slope.has(coefficients[k]):
-        raise EffectError(
-            f"the torque is not linear in {coefficients[k].name}",
-            where=coefficients[k].name.partition(".")[0],
-            remedy="declare it as a shape with bounds instead of a coefficient",
-        )
+        what = f"the torque is not linear in {coefficients[k].name}"
+        remedy = "declare it as a shape with bounds instead of a coefficient"
+        raise EffectError(what, where=coefficients[k].name.partition(".")[0], remedy=remedy)
     return slope

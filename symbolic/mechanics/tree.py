@@ -82,11 +82,9 @@ def tree_changes(mechanism: Mechanism) -> TreeChanges:
     plain = machine(mechanism.joints)
     for link, before in zip(mechanism.links, plain.links, strict=True):
         if replace(link, across=before.across, length=before.length) != before:
-            raise EffectError(
-                f"the inertia of link {link.name} cannot be changed where there are base parameters alone",
-                where="derive()",
-                remedy="change length, across, joint_offset, tilt or base_acceleration, or return torques",
-            )
+            what = f"the inertia of link {link.name} cannot be changed where there are base parameters alone"
+            remedy = "change length, across, joint_offset, tilt or base_acceleration, or return torques"
+            raise EffectError(what, where="derive()", remedy=remedy)
     moments = {k: link.across * link.mass for k, link in enumerate(mechanism.links) if link.across != 0}
     pairs = enumerate(zip(mechanism.links, plain.links, strict=True))
     lengths = {k: link.length for k, (link, before) in pairs if link.length != before.length}
@@ -101,11 +99,8 @@ def offset_changes(mechanism: Mechanism) -> list[Expr]:
     """
     plain = machine(mechanism.joints)
     if replace(mechanism, joint_offset=plain.joint_offset) != plain:
-        raise EffectError(
-            "links, tilt and base acceleration are those of a machine in a plane, and this one is spatial",
-            where="derive()",
-            remedy="change joint_offset, or return torques",
-        )
+        what = "links, tilt and base acceleration are those of a machine in a plane, and this one is spatial"
+        raise EffectError(what, where="derive()", remedy="change joint_offset, or return torques")
     return list(mechanism.joint_offset)
 
 

@@ -10,7 +10,7 @@ import pytest
 from exoid.symbolic.codegen.cache import GeneratedC, load_library
 from exoid.symbolic.codegen.compiler import EXACT
 from exoid.symbolic.codegen.information import central_differences, information, mean_sign
-from exoid.symbolic.codegen.instructions import PREAMBLE
+from exoid.symbolic.codegen.instructions import template
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
 
@@ -111,7 +111,7 @@ def test_the_mean_sign_is_the_sign_away_from_reversals():
 def test_the_sine_of_the_generated_code():
     text = (
         "#include <math.h>\n"
-        + PREAMBLE
+        + template("sine.h")
         + "void many(long n, const double *x, double *y) { for (long k = 0; k < n; ++k) y[k] = exoid_sin(x[k]); }\n"
     )
     found = load_library("sine", [text], EXACT, lambda: GeneratedC(text, EXACT, {}))

@@ -209,10 +209,8 @@ def _row(job: Job, base: dict[str, Any], future: Any, root: str) -> tuple[dict[s
         value = json.loads(json.dumps(value).replace(json.dumps(root)[1:-1], ""))
     value = dict(value)
     if value["status"] == "versions":
-        raise CampaignError(
-            f"the worker {answer['worker']} has other versions: {value['reason']}",
-            remedy="install the same versions there (constraints.txt), then give the same command again",
-        )
+        remedy = "install the same versions there (constraints.txt), then give the same command again"
+        raise CampaignError(f"the worker {answer['worker']} has other versions: {value['reason']}", remedy=remedy)
     page = value.pop("report", None)
     return base | value | {"report": page is not None}, page, note
 

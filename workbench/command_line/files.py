@@ -103,11 +103,8 @@ def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None
         delivery.named.add(os.path.abspath(path))
         place = delivery.place(Path(path))
         if place.is_file() and ours is not None and not ours(_beginning(place)):
-            raise OutputError(
-                "there is a file of another kind, and it would be lost",
-                where=path,
-                remedy="choose another name, or remove that file first",
-            )
+            what = "there is a file of another kind, and it would be lost"
+            raise OutputError(what, where=path, remedy="choose another name, or remove that file first")
         if place.is_file() or not place.exists():
             with tempfile.TemporaryFile(dir=place.parent):
                 return

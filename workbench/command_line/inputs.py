@@ -154,11 +154,9 @@ def joins_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[tuple
         for path, text in zip(paths, plain, strict=True):
             found[path].append(_with_lag(text))
     elif plain:
-        raise UsageError(
-            f"{plain[0]}: there are {len(paths)} recordings, and nothing says to which of them it belongs",
-            where="--join",
-            remedy=f"write for example {paths[0] if paths else 'REC'}={plain[0]}, or one file per recording, in order",
-        )
+        what = f"{plain[0]}: there are {len(paths)} recordings, and nothing says to which of them it belongs"
+        remedy = f"write for example {paths[0] if paths else 'REC'}={plain[0]}, or one file per recording, in order"
+        raise UsageError(what, where="--join", remedy=remedy)
     return found
 
 
@@ -222,11 +220,9 @@ def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Paylo
             )
         meant = _called(name, paths)
         if len(meant) != 1:
-            raise UsageError(
-                f"{name} is {'none' if not meant else 'more than one'} of the recordings given",
-                where="--payload",
-                remedy=did_you_mean(name, paths) or "name it as it is named among the recordings",
-            )
+            what = f"{name} is {'none' if not meant else 'more than one'} of the recordings given"
+            remedy = did_you_mean(name, paths) or "name it as it is named among the recordings"
+            raise UsageError(what, where="--payload", remedy=remedy)
         found.setdefault(meant[0], []).append(payload_of(load))
     return found
 
@@ -259,11 +255,8 @@ def refuse_repeats(fitted: Sequence[str], unseen: Sequence[str]) -> None:
             raise UsageError("this recording is named twice", where=path, remedy="name it once")
     for path in unseen:
         if os.path.realpath(path) in names:
-            raise UsageError(
-                "this recording is both fitted and in --verify",
-                where=path,
-                remedy="a recording that was fitted cannot show how well unseen motion is predicted",
-            )
+            remedy = "a recording that was fitted cannot show how well unseen motion is predicted"
+            raise UsageError("this recording is both fitted and in --verify", where=path, remedy=remedy)
 
 
 def split_joint(text: str, joints: Sequence[str] = JOINTS) -> tuple[str, str | None]:
@@ -271,11 +264,8 @@ def split_joint(text: str, joints: Sequence[str] = JOINTS) -> tuple[str, str | N
     effect, colon, joint = text.partition(":")
     if not effect or (colon and joint not in joints):
         example = f"write for example stribeck:{joints[-1]}; joints are {' and '.join(joints)}"
-        raise UsageError(
-            f"{text!r} does not name an effect",
-            where="EFFECT[:joint]",
-            remedy=did_you_mean(joint, joints) or example,
-        )
+        what = f"{text!r} does not name an effect"
+        raise UsageError(what, where="EFFECT[:joint]", remedy=did_you_mean(joint, joints) or example)
     return effect, joint or None
 
 
@@ -286,9 +276,8 @@ def check_new_model(target: str, source: str | None) -> None:
     if target == "-":
         raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")
     if source is not None and os.path.realpath(target) == os.path.realpath(source):
-        raise OutputError(
-            "this would overwrite the model it was made from", where=target, remedy="choose another file name"
-        )
+        what = "this would overwrite the model it was made from"
+        raise OutputError(what, where=target, remedy="choose another file name")
     check_target(target, _is_model)
 
 

@@ -80,11 +80,8 @@ class Parser(argparse.ArgumentParser):
                 return
             name = word.split("=", 1)[0]
             if name.startswith("--") and name not in known:
-                raise UsageError(
-                    f"unknown option {name}",
-                    where=self.prog,
-                    remedy=did_you_mean(name, known) or f"{self.prog} --help lists the options",
-                )
+                remedy = did_you_mean(name, known) or f"{self.prog} --help lists the options"
+                raise UsageError(f"unknown option {name}", where=self.prog, remedy=remedy)
 
     def _advice(self, message: str) -> str:
         if "required: REC" in message and any("--verify" in a.option_strings for a in self._actions):

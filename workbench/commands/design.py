@@ -206,10 +206,8 @@ def _model_path(args: argparse.Namespace) -> str | None:
     """Return the one model file that is named, by position or by --model."""
     named = [*args.inputs, *([args.model] if args.model else [])]
     if len(named) > 1:
-        raise UsageError(
-            f"{len(named)} models are named: {', '.join(named)}",
-            remedy="name one model file; recordings belong to --separate",
-        )
+        what = f"{len(named)} models are named: {', '.join(named)}"
+        raise UsageError(what, remedy="name one model file; recordings belong to --separate")
     return named[0] if named else None
 
 

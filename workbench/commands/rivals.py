@@ -78,10 +78,8 @@ def _given(args: argparse.Namespace) -> Inputs | None:
         return load(args)
     for option in ("model", "map", "units", "leg", "cutoff"):
         if getattr(args, option) and not (option == "model" and args.problem == "excitation"):
-            raise UsageError(
-                f"--{option} is about recordings, and there are none",
-                remedy="name recordings, or leave it out: the paper's leg on the virtual bench is then the problem",
-            )
+            remedy = "name recordings, or leave it out: the paper's leg on the virtual bench is then the problem"
+            raise UsageError(f"--{option} is about recordings, and there are none", remedy=remedy)
     return None
 
 

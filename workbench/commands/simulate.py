@@ -151,10 +151,7 @@ def _refuse_overwriting(folder: Path, count: int) -> None:
     names = [*(f"run_{k}.csv" for k in range(count)), "truth.seal"]
     there = [name for name in names if os.path.lexists(folder / name)]
     if there:
-        raise OutputError(
-            f"{there[0]} exists already",
-            where=str(folder),
-            remedy="name another folder with --out, or remove the old runs",
-        )
+        what = f"{there[0]} exists already"
+        raise OutputError(what, where=str(folder), remedy="name another folder with --out, or remove the old runs")
     for name in names:
         check_target(str(folder / name))

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import signal
-import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from exoid.ground.errors import ExoidError
+from exoid.ground.signals import handled
 from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.options import add_columns, add_common, between, positive_number, whole_number
 from exoid.workbench.command_line.parser import Seldom
@@ -164,8 +162,14 @@ def _follow(
     """Take samples until there are no more, or a signal ends it."""
     from exoid.workbench.watching.sources import is_live, live_samples
 
-    live = is_live(args)
-    with _stopped_by_signals() as stopped:
+    live, stopped = is_live(args), list[int]()
+
+    def stop(number: int, _: object) -> None:
+        if stopped:  # the second one ends it at once
+            raise KeyboardInterrupt
+        stopped.append(number)
+
+    with handled(stop, "SIGINT", "SIGTERM", "SIGHUP"):
         for samples, notes in live_samples(args, watcher):
             for one in notes:
                 before = samples[: one.before, 0]
@@ -180,29 +184,3 @@ def _follow(
             if stopped:
                 report.note("interrupted")
                 break
-
-
-@contextlib.contextmanager
-def _stopped_by_signals() -> Iterator[list[int]]:
-    """Yield what Ctrl-C, SIGTERM and SIGHUP that come write themselves into; the second one ends at once.
-
-    A signal that whoever started this process has set to be ignored stays ignored (nohup, jobs in the background).
-    """
-    got: list[int] = []
-
-    def stop(number: int, _: object) -> None:
-        if got:
-            raise KeyboardInterrupt
-        got.append(number)
-
-    before = {}
-    if threading.current_thread() is threading.main_thread():  # elsewhere, whoever runs it decides about signals
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            number = getattr(signal, name, None)
-            if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
-                before[number] = signal.signal(number, stop)
-    try:
-        yield got
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)

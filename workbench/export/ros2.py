@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
-from exoid.ground.text import in_comment
-from exoid.optimisation.recursive.estimator_c import filled
+from exoid.ground.text import filled, in_comment
 from exoid.workbench.bodies import base_name, gravity_of, link_names
 from exoid.workbench.export import c, urdf
 from exoid.workbench.identified import ExportError, Options, Ready

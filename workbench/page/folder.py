@@ -93,10 +93,8 @@ class SessionFolder:
         with opened(source) as real:
             found = digest_of(real)
             if digest and found != digest:
-                raise RecordingError(
-                    "it has changed since it was read, so it cannot be kept as it was", where=str(source),
-                    remedy="close it and open it again",
-                )  # fmt: skip
+                what = "it has changed since it was read, so it cannot be kept as it was"
+                raise RecordingError(what, where=str(source), remedy="close it and open it again")
             target = self._named(called, found)
             refuse_links(target, self.folder)
             if not (target.exists() and digest_of(target) == found):
@@ -124,10 +122,9 @@ class SessionFolder:
     def check(self) -> None:
         """Raise RecordingError unless the session there is the one that was read or written last."""
         if sha256(self.present()) != self._known:
-            raise RecordingError(
-                "the session there was changed by somebody else, and is not written over", where=str(self.folder),
-                remedy="save this one to another folder, or open that one again",
-            )  # fmt: skip
+            what = "the session there was changed by somebody else, and is not written over"
+            remedy = "save this one to another folder, or open that one again"
+            raise RecordingError(what, where=str(self.folder), remedy=remedy)
 
     def write(self, text: str) -> None:
         """Put a new session in the place of the one that was read or written last."""

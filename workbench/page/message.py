@@ -54,10 +54,9 @@ def obey(
             page, seen = str(told.get("page", "")), told.get("seen")
             with workspace.change:
                 if seen is not None and any(other != page for other in workspace.edits[max(0, int(seen)) :]):
-                    raise RecordingError(
-                        "the steps were changed elsewhere meanwhile, and nothing was done",
-                        remedy="look at them as they are now, which this page shows, and do it again",
-                    )
+                    what = "the steps were changed elsewhere meanwhile, and nothing was done"
+                    remedy = "look at them as they are now, which this page shows, and do it again"
+                    raise RecordingError(what, remedy=remedy)
                 found = do(workspace, told)
                 workspace.edits.append(page)
     except SPOILT as error:

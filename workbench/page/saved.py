@@ -92,9 +92,8 @@ def free_for_session(folder: Path) -> Path:
     if target.exists() and not (
         target.is_dir() and (is_session(target) or not set(os.listdir(target)) - {REPORT, LOCK})
     ):
-        raise RecordingError(
-            "there is something else", where=str(target), remedy="choose a new folder, or one that exoid saved before"
-        )
+        what = "there is something else"
+        raise RecordingError(what, where=str(target), remedy="choose a new folder, or one that exoid saved before")
     return target
 
 
@@ -116,9 +115,8 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
         workspace.clear()
         if place is not None and place is not workspace.keeping.place:
             place.release()
-        raise RecordingError(
-            f"this is no session that exoid can open ({error})", where=str(folder), remedy="give its recordings instead"
-        ) from error
+        what = f"this is no session that exoid can open ({error})"
+        raise RecordingError(what, where=str(folder), remedy="give its recordings instead") from error
     workspace.saved = Path(os.path.realpath(folder)) if kept else None
     if place is not None:
         _keep(workspace, place)

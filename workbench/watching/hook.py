@@ -36,10 +36,9 @@ class Hook:
         except ValueError as error:
             raise UsageError(f"--on-event {command!r} cannot be read: {error}", remedy="close the quotes") from None
         if not self.words or shutil.which(self.words[0]) is None:
-            raise UsageError(
-                f"there is no command {self.words[0] if self.words else ''!r} for --on-event",
-                remedy="name an executable file, with its arguments if it has any; it is run without a shell",
-            )
+            what = f"there is no command {self.words[0] if self.words else ''!r} for --on-event"
+            remedy = "name an executable file, with its arguments if it has any; it is run without a shell"
+            raise UsageError(what, remedy=remedy)
         self.waiting: queue.Queue[str | None] = queue.Queue(WAITING)
         self.lost = 0
         self.thread = threading.Thread(target=self._run, daemon=True)

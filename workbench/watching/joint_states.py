@@ -43,10 +43,8 @@ def heard(topic: str) -> Iterator[str]:
         from rclpy.qos import qos_profile_sensor_data
         from sensor_msgs.msg import JointState
     except ImportError as error:
-        raise ExoidError(
-            f"ROS 2 is not there ({error})", where=f"ros2:{topic}",
-            remedy="source its setup.bash, and install exoid where its Python is; or record a bag and watch that",
-        ) from error  # fmt: skip
+        remedy = "source its setup.bash, and install exoid where its Python is; or record a bag and watch that"
+        raise ExoidError(f"ROS 2 is not there ({error})", where=f"ros2:{topic}", remedy=remedy) from error
     waiting: list[str] = []
     plain = topic.strip("/")
     rclpy.init()

@@ -55,16 +55,13 @@ class Broker:
         try:
             self.client.connect(parts.hostname, parts.port or PORTS[parts.scheme])
         except (OSError, ValueError) as error:
-            raise ExoidError(
-                f"the MQTT broker cannot be reached: {error}", where=address, remedy="check host and port"
-            ) from error
+            remedy = "check host and port"
+            raise ExoidError(f"the MQTT broker cannot be reached: {error}", where=address, remedy=remedy) from error
         self.client.loop_start()
         if not self.answered.wait(LAST) or self.reason:
             self.client.loop_stop()
-            raise ExoidError(
-                f"the MQTT broker does not let us in: {self.reason or 'no answer'}", where=address,
-                remedy=f"check the user, and the password in ${PASSWORD}",
-            )  # fmt: skip
+            what = f"the MQTT broker does not let us in: {self.reason or 'no answer'}"
+            raise ExoidError(what, where=address, remedy=f"check the user, and the password in ${PASSWORD}")
 
     def take(self, event: Mapping[str, Any]) -> None:
         """Publish an event."""

@@ -36,16 +36,7 @@ def check(recording: Recording) -> list[Finding]:
     if gain < GAIN or best in (0, TRIED.size - 1):
         return []
     what = f"the torques fit better when read {abs(delay) * 1e3:.0f} ms {'earlier' if delay > 0 else 'later'}"
-    return [
-        Finding(
-            "delay",
-            "info",
-            f"{what} ({gain:.0%} less is left)",
-            place(recording),
-            delay,
-            None,
-            "if the logger delays a channel, shift it; `time_delay` in the catalogue tests it properly",
-            consequence="a delay looks like viscous friction",
-            confidence="possible",
-        )
-    ]
+    what += f" ({gain:.0%} less is left)"
+    remedy = "if the logger delays a channel, shift it; `time_delay` in the catalogue tests it properly"
+    consequence = "a delay looks like viscous friction"
+    return [Finding("delay", "info", what, place(recording), delay, None, remedy, consequence, "possible")]

@@ -30,15 +30,6 @@ def check(recording: Recording) -> list[Finding]:
     share = missing / (missing + at.size)
     calm = longest < LONG and share < MISSING
     what = f"{int(wide.sum())} gaps with about {missing:.0f} samples missing ({share:.1%}), the longest {longest:.3g} s"
-    return [
-        Finding(
-            "gaps",
-            "info" if calm else "warning",
-            what,
-            place(recording, "t", at[1:][wide]),
-            longest,
-            LONG,
-            "nothing, if they are few" if calm else "look at the logger; derivatives are not taken across long gaps",
-            consequence="rows next to a gap are less certain",
-        )
-    ]
+    severity, where = "info" if calm else "warning", place(recording, "t", at[1:][wide])
+    remedy = "nothing, if they are few" if calm else "look at the logger; derivatives are not taken across long gaps"
+    return [Finding("gaps", severity, what, where, longest, LONG, remedy, "rows next to a gap are less certain")]

@@ -26,16 +26,6 @@ def check(recording: Recording) -> list[Finding]:
     what = f"the time step varies by ±{spread:.0%} about {middle * 1e3:.3g} ms; the stamps are used as logged"
     if spread < HEAVY:
         return [Finding("jitter", "info", what, place(recording, "t"), spread, NOTED, "nothing")]
-    return [
-        Finding(
-            "jitter",
-            "warning",
-            what,
-            place(recording, "t"),
-            spread,
-            HEAVY,
-            "log the instant of the measurement, not of the arrival at the computer",
-            consequence="if the stamps are those of arrival, velocities and accelerations carry their error",
-            confidence="possible",
-        )
-    ]
+    remedy = "log the instant of the measurement, not of the arrival at the computer"
+    consequence = "if the stamps are those of arrival, velocities and accelerations carry their error"
+    return [Finding("jitter", "warning", what, place(recording, "t"), spread, HEAVY, remedy, consequence, "possible")]

@@ -82,9 +82,5 @@ def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Find
         remedy = f"if the {joint} had no drive in this recording: --passive {name}={joint}"
         consequence = "the torque of a passive joint is zero for certain; measured, it is noise"
         where = place(recording, channel.name)
-        found.append(
-            Finding(
-                "motion", "info", what, where, span, NOTHING, remedy, consequence=consequence, confidence="possible"
-            )
-        )
+        found.append(Finding("motion", "info", what, where, span, NOTHING, remedy, consequence, "possible"))
     return found

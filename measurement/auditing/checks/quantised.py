@@ -25,22 +25,11 @@ def check(recording: Recording) -> list[Finding]:
         reach = float(np.ptp(np.percentile(channel.some, [1, 99]))) if channel.values.size else 0.0
         if step == 0.0 or reach == 0.0 or reach / step >= NOTED:
             continue
-        coarse = reach / step < COARSE and channel.name not in idle
-        what = (
-            f"the {channel.label} comes in steps of {step:.3g} {channel.unit} ({reach / step:.0f} steps in its range)"
-        )
-        found.append(
-            Finding(
-                "quantised",
-                "warning" if coarse else "info",
-                what,
-                place(recording, channel.name),
-                reach / step,
-                COARSE if coarse else NOTED,
-                "log the channel with its full resolution" if coarse else "nothing",
-                consequence="accelerations drown in the steps"
-                if coarse and channel.name[0] == "q"
-                else "adds noise of about a third of a step",
-            )
-        )
+        steps, where = reach / step, place(recording, channel.name)
+        what = f"the {channel.label} comes in steps of {step:.3g} {channel.unit} ({steps:.0f} steps in its range)"
+        severity, limit, remedy, consequence = "info", NOTED, "nothing", "adds noise of about a third of a step"
+        if steps < COARSE and channel.name not in idle:
+            severity, limit, remedy = "warning", COARSE, "log the channel with its full resolution"
+            consequence = "accelerations drown in the steps" if channel.name[0] == "q" else consequence
+        found.append(Finding("quantised", severity, what, where, steps, limit, remedy, consequence))
     return found

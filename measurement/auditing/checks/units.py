@@ -62,14 +62,5 @@ def _too_small(recording: Recording) -> list[Finding]:
 
 
 def _finding(recording: Recording, column: str, what: str, value: float, limit: float, option: str) -> Finding:
-    return Finding(
-        "units",
-        "warning",
-        what,
-        place(recording, column),
-        value,
-        limit,
-        f"say so with {option}, or write the unit into the header",
-        consequence="every parameter is wrong",
-        confidence="likely",
-    )
+    where, remedy = place(recording, column), f"say so with {option}, or write the unit into the header"
+    return Finding("units", "warning", what, where, value, limit, remedy, "every parameter is wrong", "likely")

@@ -107,11 +107,8 @@ def _table(data: bytes, above: int, path: Path, budget: Budget) -> RawTable:
         layout = replace(layout, decimal=".") if commas else layout
         cells = _parse(body, layout)
     if cells is None or len(cells[0]) != row.size:
-        raise RecordingError(
-            "the rows cannot be cut into columns",
-            where=str(path),
-            remedy="open it in an editor: every line needs the same number of cells as the header",
-        )
+        remedy = "open it in an editor: every line needs the same number of cells as the header"
+        raise RecordingError("the rows cannot be cut into columns", where=str(path), remedy=remedy)
     columns = tuple(
         column_from_cells(name, cells[i], unit)
         for i, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True))

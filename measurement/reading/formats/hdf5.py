@@ -86,11 +86,9 @@ def refuse_elsewhere(item: Any, path: Path) -> None:
     """Refuse a dataset whose numbers lie in other files: a recording must not make anything else be read."""
     if item.is_virtual or item.external:
         kind = "virtual" if item.is_virtual else "stored outside"
-        raise RecordingError(
-            f"dataset {item.name} is {kind}: its numbers lie in other files, which are not read",
-            where=str(path),
-            remedy="save the numbers themselves, for example with h5repack or h5py: new['q1'] = old['q1'][()]",
-        )
+        what = f"dataset {item.name} is {kind}: its numbers lie in other files, which are not read"
+        remedy = "save the numbers themselves, for example with h5repack or h5py: new['q1'] = old['q1'][()]"
+        raise RecordingError(what, where=str(path), remedy=remedy)
 
 
 def size_of(item: Any) -> int:

@@ -82,9 +82,8 @@ def _is_safe_with_objects(path: Path) -> bool:
         for key in group:
             budget.count()
             if not isinstance(group.get(key, getlink=True), h5py.HardLink):
-                raise RecordingError(
-                    f"{key[:40]} is a link to elsewhere, which is not followed", where=str(path), remedy="save it again"
-                )
+                what = f"{key[:40]} is a link to elsewhere, which is not followed"
+                raise RecordingError(what, where=str(path), remedy="save it again")
             item = group[key]
             if isinstance(item, h5py.Group):
                 walk(item)
@@ -120,10 +119,8 @@ def _with_objects(path: Path) -> RawTable | None:
     except Exception:  # noqa: BLE001 - as below
         return None
     if short:
-        raise RecordingError(
-            "the MATLAB file is damaged: a timetable announces more rows than it holds",
-            where=str(path), remedy="save the timetable again",
-        )  # fmt: skip
+        what = "the MATLAB file is damaged: a timetable announces more rows than it holds"
+        raise RecordingError(what, where=str(path), remedy="save the timetable again")
     try:
         content = matio.load_from_mat(str(path), add_table_attrs=True)
         for name, value in content.items():

@@ -26,11 +26,8 @@ def read(path: Path) -> RawTable:
     """Return the columns of the archive; raises RecordingError when it is damaged or holds pickled
     objects."""
     if path.suffix.lower() != ".npz":
-        raise RecordingError(
-            "this is a ZIP archive (a spreadsheet?), not a table",
-            where=str(path),
-            remedy="in the spreadsheet, save as CSV; from NumPy, use the suffix .npz",
-        )
+        remedy = "in the spreadsheet, save as CSV; from NumPy, use the suffix .npz"
+        raise RecordingError("this is a ZIP archive (a spreadsheet?), not a table", where=str(path), remedy=remedy)
     with damaged("NPZ archive", path, DAMAGE, "copy it, or save it with np.savez, again"):
         with zipfile.ZipFile(path) as archive:
             budget = Budget(str(path))
@@ -54,9 +51,7 @@ def _claimed(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> in
         except (ValueError, SyntaxError, RecursionError, MemoryError, TokenError):
             return 0  # refused with its reason when it is loaded
     if kind.hasobject:
-        raise RecordingError(
-            "it holds Python objects, which are never loaded because they can run code",
-            where=str(path),
-            remedy="save plain number arrays: np.savez(path, t=t, q=q, tau=tau)",
-        )
+        what = "it holds Python objects, which are never loaded because they can run code"
+        remedy = "save plain number arrays: np.savez(path, t=t, q=q, tau=tau)"
+        raise RecordingError(what, where=str(path), remedy=remedy)
     return math.prod(shape) * kind.itemsize

@@ -27,9 +27,8 @@ def read(path: Path) -> RawTable:
         head = stream.read(LONGEST_HEADER).decode("latin-1")
     end = re.search(r"^\s*endheader[^\n]*\n", head, re.IGNORECASE | re.MULTILINE)
     if end is None:
-        raise RecordingError(
-            "the header does not end in 'endheader'", where=str(path), remedy="export it from OpenSim again"
-        )
+        what = "the header does not end in 'endheader'"
+        raise RecordingError(what, where=str(path), remedy="export it from OpenSim again")
     table = csv.read(path, skip=end.end())
     degrees = re.search(r"^\s*inDegrees\s*=\s*yes", head[: end.start()], re.IGNORECASE | re.MULTILINE)
     return replace(table, columns=tuple(_with_unit(column, degrees is not None) for column in table.columns))

@@ -60,11 +60,8 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
         fields = [one for one in file.schema_arrow if pyarrow.types.is_primitive(one.type)]
         groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
         if max((group.total_byte_size for group in groups), default=0) > MOST_GROUP or len(fields) > 1000:
-            raise RecordingError(
-                "a row group of the file is too large",
-                where=str(path),
-                remedy="write it with row_group_size=1000000",
-            )
+            what = "a row group of the file is too large"
+            raise RecordingError(what, where=str(path), remedy="write it with row_group_size=1000000")
         rows = max(1000, size // (16 * max(1, len(fields))))  # as many as of a text of this size
         done = 0
         # A few groups of rows at a time: what is iterated over in one go stays in memory until its end.

@@ -200,11 +200,8 @@ def _table(topics: dict[str, Topic], skipped: set[str], where: str) -> RawTable:
     """Return one table on the clock of the topic with most joint angles."""
     topics = {name: topic for name, topic in topics.items() if len(topic.arrived) > 1}
     if not topics:
-        raise RecordingError(
-            "no topic of the bag holds numbers",
-            where=where,
-            remedy="record a sensor_msgs/JointState, or messages with position and effort",
-        )
+        remedy = "record a sensor_msgs/JointState, or messages with position and effort"
+        raise RecordingError("no topic of the bag holds numbers", where=where, remedy=remedy)
 
     def angles(topic: Topic) -> tuple[int, int]:
         found = [recognise(name) for name in topic.columns]

@@ -48,11 +48,8 @@ def read(path: Path) -> RawTable:
             what = f"sheet {name!r} was read"
             note = Finding("format", "info", what + (f", {others} others were not" if others else ""), str(path))
             return replace(found, notes=(*found.notes, note)) if others else found
-    raise RecordingError(
-        "no sheet of the spreadsheet holds a table of numbers",
-        where=str(path),
-        remedy="one row of column names and one row of numbers per sample",
-    )
+    remedy = "one row of column names and one row of numbers per sample"
+    raise RecordingError("no sheet of the spreadsheet holds a table of numbers", where=str(path), remedy=remedy)
 
 
 def _sheets(path: Path, budget: Budget) -> Iterator[tuple[int, str, list[list[Any]]]]:
