@@ -37,7 +37,7 @@ from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import combined_map, conventions
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import Joint, is_leg, is_spatial, parents
+from exoid.symbolic.joints import Joint, is_leg, is_spatial, machine_word, parents
 
 CHECK = "convention"
 GOOD = Threshold(
@@ -134,7 +134,7 @@ def _file(recording: Recording) -> str:
 def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
     option, *same = (",".join(one.name for one in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
-    machine = "leg" if is_leg(joints) else "machine"
+    machine = machine_word(joints)
     text = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
     return Finding(
         "sign" if found.reading.sides and len(recordings) == 1 else CHECK,

@@ -39,7 +39,7 @@ STRONG = 100.0
 class Machine:
     """What the bench's machine is made of: `base` are the parameters of the model without terms, in its order.
 
-    `torque_limit` (J,) N·m or N is where the drives saturate, `inertia` (J,) kg·m² or kg what each of them is made for.
+    `torque_limit` (J,) N·m or N is where the drives saturate, `inertia` (J,) kg·m² or kg what each is for.
     """
 
     name: str
@@ -99,8 +99,9 @@ def _machine(model: Model, factors: np.ndarray) -> Machine:
     rest = model_torque(model, Motion(motion.t, motion.q, still, still), base)
     eye = np.eye(len(joints))
     pushed = (model_torque(model, Motion(motion.t, motion.q, still, still + row), base) - rest for row in eye)
+    felt = (float(np.median(torque[:, j])) for j, torque in enumerate(pushed))
     least = (dry / (BRAKED * joint.reach) for dry, joint in zip(friction[::2], joints, strict=True))
-    inertia = [max(dry, float(np.median(torque[:, j]))) for j, (dry, torque) in enumerate(zip(least, pushed, strict=True))]
+    inertia = [max(own, dry) for own, dry in zip(felt, least, strict=True)]
     need = np.abs(model_torque(model, motion, base)).max(axis=0)
     return Machine(model.name, tuple(base.tolist()), tuple((RESERVE * need).tolist()), tuple(inertia))
 
