@@ -29,7 +29,7 @@ SHORT = 0.03
 RESERVE = 5.0
 """Largest torque of a drive over what the machine needs on a usual motion."""
 BRAKED = 160.0
-"""rad/s² at which dry friction alone would brake what a drive is made for: the drive of a small wrist, made for its link
+"""rad/s² at which dry friction alone brakes what a drive is made for at most: that of a small wrist, made for its link
 alone, would not overcome its friction."""
 STRONG = 100.0
 """N·m or N of a drive from which on its torque sensor has all of the bench's noise; of weaker ones it is finer."""
