@@ -71,19 +71,23 @@ class Better:
 
 
 def check_conventions(
-    recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None
+    recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None,
+    beside: Sequence[Recording] = (),
 ) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
     which little moves fits many machines: what it says alone must not make the fit of all together worse.
     `weighs` says whether the machine moves under gravity, of one in space under which (3,), in m/s², `forces` what its
-    measured forces are, None the usual.
+    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly.
     """
     if not all(map(_known, recordings)):
         return ()
-    sets = smoothed_groups(recordings, weighs, forces)
+    sets, every = smoothed_groups(recordings, weighs, forces), [*beside, *recordings]
     if not sets or _stands(sets) < LEAST:
+        return ()
+    together = _stands(smoothed_groups(every, weighs, forces))
+    if together < LEAST:
         return ()
     found = better_reading(recordings, weighs, forces)
     if found is None and len(recordings) > 1:
@@ -92,10 +96,14 @@ def check_conventions(
             _finding([one], better, f"{_file(one)}=")
             for one, better in alone
             if better is not None
-            and _stands(_read_so(recordings, one, better, weighs, forces)) < _stands(sets)
+            and _stands(_read_so(every, [one], better, weighs, forces)) < together
             and not _only_in_part([one], better, smoothed_groups([one], weighs, forces))
         )
-    return () if found is None or _only_in_part(recordings, found, sets) else (_finding(recordings, found),)
+    if found is None or _only_in_part(recordings, found, sets):
+        return ()
+    if beside and _stands(_read_so(every, recordings, found, weighs, forces)) >= together:
+        return ()
+    return (_finding(recordings, found),)
 
 
 def _odd(
@@ -127,14 +135,18 @@ def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Sm
 
 
 def _read_so(
-    recordings: Sequence[Recording], odd: Recording, better: Better,
+    recordings: Sequence[Recording], odd: Sequence[Recording], better: Better,
     weighs: float | Vector, forces: tuple[Force, ...] | None,
 ) -> list[list[Smooth]]:
-    """Return all recordings smoothed, of which `odd` alone is read in another way."""
-    kept = combined_map(conventions(odd.conventions, odd.joints), odd.joints)
-    q, tau = better.reading.map.applied(*kept.undone(odd.q, odd.tau))
-    other = replace(odd, q=q, tau=tau, dq=None, ddq=None)
-    return smoothed_groups([other if one is odd else one for one in recordings], weighs, forces)
+    """Return all recordings smoothed, of which those that are `odd` are read in another way."""
+
+    def other(one: Recording) -> Recording:
+        kept = combined_map(conventions(one.conventions, one.joints), one.joints)
+        q, tau = better.reading.map.applied(*kept.undone(one.q, one.tau))
+        return replace(one, q=q, tau=tau, dq=None, ddq=None)
+
+    strange = {id(one) for one in odd}
+    return smoothed_groups([other(one) if id(one) in strange else one for one in recordings], weighs, forces)
 
 
 def _known(recording: Recording) -> bool:
@@ -187,6 +199,8 @@ def better_reading(
     sets = _as_in_the_files(recordings, sets)
     doubts = DOUBTS if is_leg(joints) else ((SLIGHT_DOUBT, TIMES),)
     enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
+    # Beyond, it would be doubted itself. In space one name of two may leave so little, and both far less.
+    settled = min(enough, SLIGHT_DOUBT) / (TIMES if is_spatial(joints) else 1.0)
     kinds: list[ConventionHypothesis] = []
     left, quiet = np.zeros(0), quiet_torques(sets)
     still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)
@@ -194,7 +208,7 @@ def better_reading(
         more = [one for one in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(one, quiet)]
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])
-        if left.min(initial=np.inf) <= min(enough, SLIGHT_DOUBT):  # beyond, it would be doubted itself
+        if left.min(initial=np.inf) <= settled:
             break
     best = float(left.min())
     if best > enough:

@@ -127,3 +127,13 @@ def test_numbers_of_either_sign_are_found_beside_those_that_cannot_be_negative()
     y[:, 5] = y[:, 0] - y[:, 1]  # contained in the first
     found = non_negative(y.T @ y, y.T @ (y @ wanted), either=2)
     np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+def test_what_one_recording_says_must_not_make_the_others_worse():
+    """A stop that only the last run meets looks like another reading there; the machine of the others says no."""
+    runs = [replace(moved(ARM), name=f"run_{k}") for k in range(3)]
+    swapped = kept(runs[2], "swapped-joints-lift-elbow")
+    (finding,) = check_conventions([swapped], DOWN, None, runs[:2])
+    assert finding.remedy.endswith("--convention swapped-joints-lift-elbow")
+    wrong = [kept(one, "swapped-joints-lift-elbow") for one in runs[:2]]
+    assert not check_conventions([swapped], DOWN, None, wrong)  # read so it would fit them no more
