@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from exoid.measurement.bench.walk import Walk as Walk
     from exoid.measurement.bench.wearer import Wearer as Wearer
     from exoid.measurement.finding import Finding as Finding
+    from exoid.measurement.reading.conventions import read_as as read_as
     from exoid.measurement.reading.read import read_recording as read_recording
     from exoid.measurement.reading.read import read_recordings as read_recordings
     from exoid.measurement.recording import Recording as Recording

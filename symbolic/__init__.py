@@ -26,5 +26,8 @@ if TYPE_CHECKING:
     from exoid.symbolic.model_file import read_model as read_model
     from exoid.symbolic.model_file import write_model as write_model
     from exoid.symbolic.motion import Motion as Motion
+    from exoid.symbolic.robot_file import parse_robot as parse_robot
+    from exoid.symbolic.robot_file import read_robot as read_robot
+    from exoid.symbolic.spatial_machine import robot_machine as robot_machine
 
 __all__ = lend(__name__)

@@ -143,6 +143,11 @@ def is_leg(joints: Sequence[Joint]) -> bool:
     return turning and names(joints) == names(LEG) and parents(joints) == (None, 0)
 
 
+def machine_word(joints: Sequence[Joint]) -> str:
+    """Return what a machine of these joints is called in a sentence: "leg" or "machine"."""
+    return "leg" if is_leg(joints) else "machine"
+
+
 def check_joints(joints: Sequence[Joint]) -> None:
     """Refuse joints that make no machine: EffectError with the joint."""
     if not 1 <= len(joints) <= MOST:

@@ -120,9 +120,10 @@ def _axis(one: RobotJoint, where: str) -> tuple[Vector, bool]:
     element = one.element.find("axis")
     given = np.array([1.0, 0.0, 0.0]) if element is None else numbers_of(element, "xyz", (1.0, 0.0, 0.0), where)
     unit = given / np.linalg.norm(given)
-    near = np.where(np.abs(unit) < ROUNDED, 0.0, unit)
+    small = (np.abs(unit) < ROUNDED) & (unit != 0.0)
+    near = np.where(small, 0.0, unit)
     near = near / np.linalg.norm(near)
-    return (float(near[0]), float(near[1]), float(near[2])), bool(np.any(near != unit))
+    return (float(near[0]), float(near[1]), float(near[2])), bool(small.any())
 
 
 def _right(angles: Float) -> tuple[Vector, bool]:

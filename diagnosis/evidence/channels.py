@@ -27,6 +27,7 @@ from exoid.measurement.stance import UPWARDS
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.joints import machine_word
 from exoid.symbolic.motion import Float
 
 TARED = "tared"
@@ -187,13 +188,14 @@ def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> D
     if not np.nanmax(share, initial=0.0) > rules.unexplained_share:
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, last.model.joint_names))
+    machine = machine_word(last.model.joints)
     odd = _odd_recordings(base, rules)
     files = " and ".join(odd)
     which = f" Fitted alone, {files} cannot be explained either, and the other recordings can." if odd else ""
     return Doubt(
         f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
-        f"The torque is not that of this leg in this motion: the best model that was found leaves {parts} of its "
-        f"variance unexplained.{which} Nothing is named on top of that.",
+        f"The torque is not that of this {machine} in this motion: the best model that was found leaves {parts} of "
+        f"its variance unexplained.{which} Nothing is named on top of that.",
         (f"begin with {files}: {_COLUMNS}" if odd else _COLUMNS) + _undriven(share, last.model.joint_names),
     )
 
@@ -231,7 +233,7 @@ _COLUMNS = (
 
 
 def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether an effect had to rescue a rigid leg that explains little and could not exist.
+    """Return whether an effect had to rescue a rigid machine that explains little and could not exist.
 
     One that leaves next to the noise, with numbers that are possible, has not: a strong spring is no wrong channel.
     """
@@ -241,11 +243,13 @@ def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doub
     if not _impossible(last) and np.all(last.evaluation_rms <= rules.near_noise * last.prepared.noise_floor):
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, base.model.joint_names))
+    machine = machine_word(base.model.joints)
     return Doubt(
-        f"the rigid leg leaves {parts} of the torque's variance, and its numbers are impossible ({wrong[0].what})",
-        f"The channels do not fit a leg: weight, inertia and friction together leave {parts} of the torque's variance "
-        "unexplained, with numbers that no leg has. What then explains the rest only makes up for a wrong sign, zero "
-        "or column.",
+        f"the rigid {machine} leaves {parts} of the torque's variance, and its numbers are impossible "
+        f"({wrong[0].what})",
+        f"The channels do not fit a {machine}: weight, inertia and friction together leave {parts} of the torque's "
+        f"variance unexplained, with numbers that no {machine} has. What then explains the rest only makes up for a "
+        "wrong sign, zero or column.",
         _COLUMNS,
     )
 
@@ -289,7 +293,8 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
         "leaves little of it",
         f"The held-out recordings are not of the machine that was fitted: the model leaves {errors}, yet fitted alone "
         f"they are explained. Fitted and held out want: {'; '.join(moved[:4])}.",
-        "verify with recordings of the same leg, with the same load (--payload) and the same zeros",
+        f"verify with recordings of the same {machine_word(last.model.joints)}, with the same load (--payload) and the "
+        "same zeros",
     )
 
 

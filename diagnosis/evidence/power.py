@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from exoid.ground.plain import AsJson
 from exoid.ground.ties import index_of_least
 from exoid.optimisation.fitting.shapes import to_unit
 from exoid.symbolic.catalogue import find_effect
-from exoid.symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Effect
 from exoid.symbolic.motion import Float
 from exoid.symbolic.wording import called
 
@@ -90,7 +90,7 @@ def _power(
     sizes = _usual_sizes(candidate)
     if sizes is None:
         return None
-    (key, entry), usual, coefficients = sizes
+    entry, usual, coefficients = sizes
     columns = library.columns(candidate, fitted)
     nodes = _usual_nodes(candidate)
     falls, unseen = evidence.would_gain(evidence.plain([c.some(nodes) for c in columns]), coefficients)
@@ -105,23 +105,35 @@ def _power(
         parts.append((least * evidence.unseen_loss, unseen[most]))
     with np.errstate(divide="ignore"):
         times = max(float(np.sqrt(np.divide(need, gain))) if gain > 0.0 else np.inf for need, gain in parts)
-    term = candidate.term
-    return Power(term.effect.id, term.joint, key, SURE * usual * times, usual, entry.unit)
+    term, smallest = candidate.term, SURE * usual * times
+    if entry.most is not None and smallest > entry.most:  # a size that it cannot have
+        smallest = np.inf
+    return Power(term.effect.id, term.joint, entry.key, smallest, usual, entry.unit)
 
 
-def _usual_sizes(candidate: Candidate) -> tuple[tuple[str, Coefficient | Shape], float, Float] | None:
+class _Told(NamedTuple):
+    """The number that is told of an effect: its `key`, its `unit` at its joint, and the `most` it can be, if any."""
+
+    key: str
+    unit: str
+    most: float | None
+
+
+def _usual_sizes(candidate: Candidate) -> tuple[_Told, float, Float] | None:
     """Return the number that is told of a candidate, how large it usually is, and its coefficients (m,) then."""
-    effect = candidate.term.effect
-    if effect.coefficients:
-        sizes = np.array([one.typical or 0.0 for one in effect.coefficients.values()])
+    term = candidate.term
+    if term.parameters:
+        sizes = np.array([one.typical or 0.0 for one in term.parameters])
         if not sizes.any():
             return None
-        key, entry = list(effect.coefficients.items())[int(np.argmax(sizes != 0.0))]
-        return (key, entry), abs(float(entry.typical or 0.0)), sizes
-    (key, shape), *_ = candidate.term.placed_shape.items()
+        first = int(np.argmax(sizes != 0.0))
+        one, key = term.parameters[first], list(term.effect.coefficients)[first]
+        return _Told(key, one.unit, one.max), abs(float(sizes[first])), sizes
+    (key, shape), *_ = term.placed_shape.items()
     if not shape.typical:
         return None
-    return (key, shape), abs(shape.typical), np.array([shape.typical if candidate.tangent else 1.0])
+    told = _Told(key, shape.unit, shape.max)
+    return told, abs(shape.typical), np.array([shape.typical if candidate.tangent else 1.0])
 
 
 def _usual_nodes(candidate: Candidate) -> np.ndarray:

@@ -225,6 +225,8 @@ class _Readings:
         one = self.train[index]
         if change is None:
             return one.torque - one.smooth(self.known[index])
-        changed = without_spikes(change(one.wide_tau, seconds * one.rate), one.rate)
+        changed = change(one.wide_tau, seconds * one.rate)
+        if change is _without_lag:
+            changed = without_spikes(changed, one.rate)
         changed = changed if which is None else np.where(which, changed, one.wide_tau)
         return one.smooth(changed - self.known[index])

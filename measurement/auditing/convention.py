@@ -37,7 +37,7 @@ from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import combined_map, conventions
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import Joint, is_leg, is_spatial, parents
+from exoid.symbolic.joints import Joint, Vector, is_leg, is_spatial, machine_word, parents
 
 CHECK = "convention"
 GOOD = Threshold(
@@ -71,34 +71,60 @@ class Better:
 
 
 def check_conventions(
-    recordings: Sequence[Recording], weighs: bool = True, forces: tuple[Force, ...] | None = None
+    recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None,
+    beside: Sequence[Recording] = (),
 ) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
     which little moves fits many machines: what it says alone must not make the fit of all together worse.
-    `weighs` says whether the machine moves under gravity, `forces` what its measured forces are, None the usual.
+    `weighs` says whether the machine moves under gravity, of one in space under which (3,), in m/s², `forces` what its
+    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly.
     """
-    if not all(_known(one.joints) for one in recordings):
+    if not all(map(_known, recordings)):
         return ()
-    sets = smoothed_groups(recordings, weighs, forces)
+    sets, every = smoothed_groups(recordings, weighs, forces), [*beside, *recordings]
     if not sets or _stands(sets) < LEAST:
+        return ()
+    together = _stands(smoothed_groups(every, weighs, forces))
+    if together < LEAST:
         return ()
     found = better_reading(recordings, weighs, forces)
     if found is None and len(recordings) > 1:
-        alone = ((one, better_reading([one], weighs, forces)) for one in recordings)
+        alone = ((one, better_reading([one], weighs, forces)) for one in _odd(recordings, weighs, forces))
         return tuple(
             _finding([one], better, f"{_file(one)}=")
             for one, better in alone
             if better is not None
-            and _stands(_read_so(recordings, one, better, weighs, forces)) < _stands(sets)
+            and _stands(_read_so(every, [one], better, weighs, forces)) < together
             and not _only_in_part([one], better, smoothed_groups([one], weighs, forces))
         )
-    return () if found is None or _only_in_part(recordings, found, sets) else (_finding(recordings, found),)
+    if found is None or _only_in_part(recordings, found, sets):
+        return ()
+    if beside and _stands(_read_so(every, recordings, found, weighs, forces)) >= together:
+        return ()
+    return (_finding(recordings, found),)
+
+
+def _odd(
+    recordings: Sequence[Recording], weighs: float | Vector, forces: tuple[Force, ...] | None
+) -> Sequence[Recording]:
+    """Return the recordings that may keep conventions of their own: in space, where asking takes long, those that leave
+    far more than another one.
+    """
+    if not is_spatial(recordings[0].joints):
+        return recordings
+    left = [_stands(sets) if (sets := smoothed_groups([one], weighs, forces)) else 0.0 for one in recordings]
+    return [one for one, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
 
 
 def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequence[Sequence[Smooth]]) -> bool:
-    """Whether something that acts in part of the time explains more than the `better` reading of `recordings` does."""
+    """Whether something that acts in part of the time explains more than the `better` reading of `recordings` does.
+
+    Not asked in space, where links have so many numbers that some fit any part.
+    """
+    if is_spatial(recordings[0].joints):
+        return False
     return acts_in_part(sets, _as_in_the_files(recordings, sets), better.reading)
 
 
@@ -109,21 +135,27 @@ def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Sm
 
 
 def _read_so(
-    recordings: Sequence[Recording], odd: Recording, better: Better, weighs: bool, forces: tuple[Force, ...] | None
+    recordings: Sequence[Recording], odd: Sequence[Recording], better: Better,
+    weighs: float | Vector, forces: tuple[Force, ...] | None,
 ) -> list[list[Smooth]]:
-    """Return all recordings smoothed, of which `odd` alone is read in another way."""
-    kept = combined_map(conventions(odd.conventions, odd.joints), odd.joints)
-    q, tau = better.reading.map.applied(*kept.undone(odd.q, odd.tau))
-    other = replace(odd, q=q, tau=tau, dq=None, ddq=None)
-    return smoothed_groups([other if one is odd else one for one in recordings], weighs, forces)
+    """Return all recordings smoothed, of which those that are `odd` are read in another way."""
+
+    def other(one: Recording) -> Recording:
+        kept = combined_map(conventions(one.conventions, one.joints), one.joints)
+        q, tau = better.reading.map.applied(*kept.undone(one.q, one.tau))
+        return replace(one, q=q, tau=tau, dq=None, ddq=None)
+
+    strange = {id(one) for one in odd}
+    return smoothed_groups([other(one) if id(one) in strange else one for one in recordings], weighs, forces)
 
 
-def _known(joints: Sequence[Joint]) -> bool:
-    """Whether the lengths of a machine are known, or need not be: joints that nobody named have none. What explains
-    readings is the machine in its plane; nothing of a spatial one is read otherwise than its model says.
+def _known(recording: Recording) -> bool:
+    """Whether the lengths of its machine are known, or need not be: joints that nobody named have none. What a base or
+    a force does to one in space is not asked here.
     """
+    joints = recording.joints
     if is_spatial(joints):
-        return False
+        return recording.base is None and not recording.forces
     return is_leg(joints) or all(above is None or joints[above].length is not None for above in parents(joints))
 
 
@@ -134,7 +166,7 @@ def _file(recording: Recording) -> str:
 def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
     option, *same = (",".join(one.name for one in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
-    machine = "leg" if is_leg(joints) else "machine"
+    machine = machine_word(joints)
     what = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
     what += f": a {machine} so read leaves {found.then / len(joints):.1%} of the torques' variance unexplained, "
     what += f"as it stands {found.now / len(joints):.0%}"
@@ -147,7 +179,7 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
 
 
 def better_reading(
-    recordings: Sequence[Recording], weighs: bool = True, forces: tuple[Force, ...] | None = None
+    recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None
 ) -> Better | None:
     """Return the reading that explains all `recordings` far better than they stand; None where none does. Further
     arguments are those of `check_conventions`.
@@ -162,14 +194,16 @@ def better_reading(
     sets = _as_in_the_files(recordings, sets)
     doubts = DOUBTS if is_leg(joints) else ((SLIGHT_DOUBT, TIMES),)
     enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
+    # Beyond, it would be doubted itself. In space one name of two may leave so little, and both far less.
+    settled = min(enough, SLIGHT_DOUBT) / (TIMES if is_spatial(joints) else 1.0)
     kinds: list[ConventionHypothesis] = []
     left, quiet = np.zeros(0), quiet_torques(sets)
-    still = all(motion.base is None for group in sets for motion in group)
+    still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)
     for stage in stages(now, turning_joints(sets), joints, still):
         more = [one for one in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(one, quiet)]
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])
-        if left.min(initial=np.inf) <= min(enough, SLIGHT_DOUBT):  # beyond, it would be doubted itself
+        if left.min(initial=np.inf) <= settled:
             break
     best = float(left.min())
     if best > enough:

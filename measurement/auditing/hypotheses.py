@@ -19,12 +19,14 @@ from exoid.measurement.reading.conventions import (
     conventions_of_machine,
     gear,
 )
-from exoid.symbolic.joints import LEG, Joint, is_leg
+from exoid.symbolic.joints import LEG, Joint, is_leg, is_spatial
 
 FEW, MOST = 2, 4
 """Readings of few names are tried first; those of more only where the recordings as they stand leave `WRONG`."""
 FEW_JOINTS, BEAM = 2, 16
 """Joints up to which every combination is tried; beyond, how many readings get one name more."""
+BEAM_IN_SPACE = 4
+"""The same in space, where all pairs are tried before."""
 WRONG = Threshold(0.4, "share of power left, from which readings of three and four names are tried: chance fits some")
 TURNING = Threshold(
     2.5,
@@ -62,16 +64,35 @@ def stages(now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, 
     the best of one name are given a second one, and so on, only then. On a base that is not `still` the machine
     mirrored is another one.
     """
+    if is_spatial(joints):
+        yield from _stages_in_space(now, turning, joints)
+        return
     all_tried = len(joints) <= FEW_JOINTS
     yield lambda best: readings(FEW if all_tried else 1, joints, still)
     if now > WRONG and not all_tried:
         yield lambda best: _extended(best, joints, still)
-    yield lambda best: [*(_in_degrees(joints) if now > WRONG else ()), *_geared_readings(turning, joints)]
+    yield lambda best: [*(_in_degrees(joints, still) if now > WRONG else ()), *_geared_readings(turning, joints)]
     if now > WRONG and all_tried:
         yield lambda best: [one for one in readings(MOST, joints, still) if len(one.names) > FEW]
     if now > WRONG and not all_tried:
         for _ in range(MOST - FEW):
             yield lambda best: _extended(best, joints, still)
+
+
+def _stages_in_space(now: float, turning: Sequence[int], joints: tuple[Joint, ...]) -> Iterator[Stage]:
+    """Yield the same for a spatial machine: every pair of signs and zeros too, since of two wrong zeros one put right
+    may look no better than none.
+    """
+    yield lambda best: readings(1, joints, False)
+    # Links share their numbers with those that carry them, so that a torque of another size alone is seen.
+    torques = [k for k, joint in enumerate(joints) if joint.turns]
+    geared = [*_geared_readings(turning, joints), *_geared(torques, "torque", joints)]
+    yield lambda best: [*(_in_degrees(joints, False) if now > WRONG else ()), *geared]
+    own = [group for group in _groups_of_names(joints) if not group[0][0].startswith("swapped-")]
+    pairs = (hypothesis(names, joints) for names in _chosen(own, FEW) if len(names) == FEW)
+    yield lambda best: list(pairs)
+    for _ in range(MOST - FEW):
+        yield lambda best: _extended(best[:BEAM_IN_SPACE], joints, False)
 
 
 def _extended(
@@ -184,25 +205,33 @@ def _key(to: Map, joints: Sequence[Joint], still: bool = True) -> tuple[float, .
 
 
 @cache
-def _in_degrees(joints: tuple[Joint, ...]) -> tuple[ConventionHypothesis, ...]:
+def _in_degrees(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHypothesis, ...]:
     if not any(joint.turns for joint in joints):
         return ()
-    some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints)
+    some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints, still)
     return tuple(hypothesis(("degrees", *(c.name for c in one.names)), joints) for one in some)
 
 
 def _geared_readings(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
     """Return readings on the motor's side of a gear, with the usual signs."""
     signs = ((), ("flexion-positive",)) if is_leg(joints) else ((),)
-    out = []
-    for ratio, joint, part, sign in product(RATIOS, turning, ("", "angle"), signs):
-        names = (gear(joint, part, float(ratio), joints), *conventions(sign, joints))
-        out.append(ConventionHypothesis(names, combined_map(names, joints)))
+    out = [one for part in ("", "angle") for sign in signs for one in _geared(turning, part, joints, sign)]
     if len(turning) > 1:
         for ratio, part in product(RATIOS, ("", "angle")):
             names = tuple(gear(joint, part, float(ratio), joints) for joint in turning)
             out.append(ConventionHypothesis(names, combined_map(names, joints)))
     return out
+
+
+def _geared(
+    those: Sequence[int], part: str, joints: tuple[Joint, ...], sign: tuple[str, ...] = ()
+) -> list[ConventionHypothesis]:
+    """Return the readings of which one of `those` joints has its `part` on the motor's side of a gear."""
+    chosen = (
+        (gear(joint, part, float(ratio), joints), *conventions(sign, joints))
+        for ratio, joint in product(RATIOS, those)
+    )
+    return [ConventionHypothesis(names, combined_map(names, joints)) for names in chosen]
 
 
 def geared(stem: str, ratio: float, joints: tuple[Joint, ...]) -> Convention:

@@ -8,16 +8,27 @@ from numpy.typing import NDArray
 from exoid.symbolic.motion import Float
 
 ROUNDING = 1e-10
-"""Relative slope up to which a number stays at zero."""
+"""Relative slope, and square of a column, up to which a number stays at zero."""
 
 
-def non_negative(gram: Float, slope: Float, positive: NDArray[np.bool_] | None = None) -> Float:
+def non_negative(
+    gram: Float, slope: Float, positive: NDArray[np.bool_] | None = None, either: int = 0
+) -> Float:
     """Return x (P,) ≥ 0 that minimises x·gram·x - 2 x·slope (Lawson, Hanson: Solving least squares problems, 1974).
 
-    `positive` (P,) is a guess which numbers are.
+    `positive` (P,) is a guess which numbers are; the first `either` of them may be negative as well.
     """
     size = np.sqrt(np.maximum(np.diagonal(gram), 1e-300))
     gram, slope = gram / np.outer(size, size), slope / size
+    if either:  # they are what the others leave to them
+        beside = gram[:either, either:]
+        solved = np.linalg.lstsq(gram[:either, :either], np.column_stack([beside, slope[:either]]), rcond=1e-12)[0]
+        by_others, alone = solved[:, :-1], solved[:, -1]
+        left = gram[either:, either:] - beside.T @ by_others
+        own = np.diagonal(left) > ROUNDING  # what the first numbers contain already stays at zero
+        rest = np.zeros(own.size)
+        rest[own] = non_negative(left[np.ix_(own, own)], (slope[either:] - beside.T @ alone)[own])
+        return np.asarray(np.concatenate([alone - by_others @ rest, rest]) / size)
     x = np.zeros(slope.size)
     free = np.zeros(slope.size, dtype=bool) if positive is None else positive.copy()
     least = ROUNDING * float(np.abs(slope).max(initial=0.0))

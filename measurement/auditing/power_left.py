@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.hypotheses import ConventionHypothesis
 from exoid.measurement.auditing.non_negative import non_negative
-from exoid.measurement.auditing.rough import Smooth, machine_columns, smooth
+from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
 from exoid.measurement.reading.conventions import Map, combined_map, conventions
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import Joint, parents
+from exoid.symbolic.joints import Joint, Vector, is_spatial, parents
 from exoid.symbolic.motion import Float
 
 QUIET = Threshold(
@@ -31,6 +31,8 @@ STANDS = Threshold(
     0.01,
     "rad, standard deviation below which a joint stands: a lock carries its torque, which speaks for no reading",
 )
+SLOW = 2.0 * TURNS
+"""rad/s below which a joint may stick."""
 ROUNDING = 1e-13
 """Power of a column, relative to the largest, below which it is rounding."""
 STOP = (0.1, 0.9)
@@ -40,7 +42,7 @@ ROWS = 600
 
 
 def smoothed_groups(
-    recordings: Sequence[Recording], weighs: bool = True, forces: tuple[Force, ...] | None = None
+    recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None
 ) -> list[list[Smooth]]:
     """Return the smoothed recordings that move and carry torque, those with the same known masses together; `forces`
     say what they have measured of those, None the usual.
@@ -114,19 +116,26 @@ def _rows(motion: Smooth, thin: int) -> Smooth:
 @dataclass(frozen=True, eq=False)
 class _Sums:
     """Sums over the samples of recordings in which the joint of torque k moves: `gram` (K, J, J, P, P) of two joints'
-    columns, `slope` (J, K, P) of joint j's columns with torque k, `power` (K,) of the torques around their means.
-    `near` (K, K) says which joints are neighbours (None: all).
+    columns, or (K, J, P, P) of one's in space, where no reading mixes torques, `slope` (J, K, P) of joint j's columns
+    with torque k, `power` (K,) of the torques around their means. `near` (K, K) says which joints are neighbours (None:
+    all). The first `either` columns may have negative numbers.
     """
 
     gram: Float
     slope: Float
     power: Float
     near: NDArray[np.bool_] | None = None
+    either: int = 0
 
 
 def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sums:
     tau = np.concatenate([motion.tau for motion in group])
     counts = np.concatenate([one.measured[:, None] & m for m, one in zip(moves, group, strict=True)])
+    apart = is_spatial(group[0].joints)
+    if apart:  # small numbers of the links choose the reading there, and what sticks would drown them
+        slow = SLOW * np.array([joint.reach for joint in group[0].joints])
+        speed = np.abs(np.concatenate([one.dq for one in group]))  # as the file has it: the same samples for all
+        counts = counts & (speed > slow)
     mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
     tau = (tau - mean) * counts  # constant offsets are nobody's sign
     q, dq, ddq = (np.concatenate(parts) for parts in zip(*((one.q, one.dq, one.ddq) for one in group), strict=True))
@@ -140,12 +149,13 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sum
     y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
     size, count = y.shape[2], tau.shape[1]
-    grams = [
-        (part.T @ part).reshape(count, size, count, size).transpose(0, 2, 1, 3)
-        for part in (flat[counts[:, k]] for k in range(count))
-    ]
+    if apart:
+        grams = [[part.T @ part for part in y[:, seen]] for seen in counts.T]
+    else:
+        whole_grams = (part.T @ part for part in (flat[seen] for seen in counts.T))
+        grams = [gram.reshape(count, size, count, size).transpose(0, 2, 1, 3) for gram in whole_grams]
     slope = (flat.T @ tau).reshape(count, size, count).transpose(0, 2, 1)
-    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0), _near(whole.joints))
+    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0), _near(whole.joints), either_sign(whole))
 
 
 def _stops(q: Float) -> Float:
@@ -184,10 +194,11 @@ def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
     weight = 1.0 / np.maximum(np.maximum(power, least), 1e-24)
     back = np.linalg.inv(torques)
     squares = np.einsum("k,mkj,mkl->mkjl", weight, back, back)
+    alone = np.diagonal(squares, axis1=2, axis2=3)
     ready = []
     bound = np.zeros(len(torques))
     for s in groups:
-        gram = np.tensordot(squares, s.gram, 3)
+        gram = np.tensordot(squares, s.gram, 3) if s.gram.ndim == 5 else np.tensordot(alone, s.gram, 2)
         slope = np.tensordot(back * weight[:, None], s.slope.transpose(1, 0, 2), 2)
         square = np.diagonal(gram, axis1=1, axis2=2)
         # Columns that cancel, or of a joint that stands, are zero but for rounding: they are left out.
@@ -196,11 +207,11 @@ def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
         lower = _factor(scaled)
         side = np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0]
         total = float(weight @ s.power)
-        ready.append((scaled, slope / size, lower, side))
+        ready.append((scaled, slope / size, lower, side, s.either))
         bound += np.maximum(total - np.sum(side**2, axis=1), 0.0)
     for m in np.flatnonzero(bound <= most):
         # |lowerᵀx - side|² falls short of the loss by what no x explains.
-        for gram, slope, lower, side in ready:
-            short = lower[m].T @ non_negative(gram[m], slope[m]) - side[m]
+        for gram, slope, lower, side, either in ready:
+            short = lower[m].T @ non_negative(gram[m], slope[m], either=either) - side[m]
             bound[m] += float(short @ short)
     return bound

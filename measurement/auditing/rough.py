@@ -6,7 +6,8 @@
 
 Inertias (r: of the knee drive's rotor), weights and frictions are free but not negative, so neither thigh length
 nor gravity nor the scale of the torque need be known, and a leg turned upside down does not fit (non-negative least
-squares). Of any other machine, whose lengths are known, every link's mass, first moment and inertia in the same way.
+squares). Of any other machine, whose lengths are known, every link's mass, first moment and inertia in the same way;
+of one in space what a motion shows of the ten numbers of each link, under the gravity that its model has.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,14 +28,19 @@ from exoid.measurement.recording import Recording
 from exoid.measurement.signals.butterworth import both_ways, low_pass_filter
 from exoid.measurement.signals.masks import widen
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import LEG, Joint, is_leg, parents
+from exoid.symbolic.joints import LEG, Joint, Vector, is_leg, is_spatial, parents
+from exoid.symbolic.mechanics.base_parameters import base_parameters, pull_of
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from exoid.symbolic.mechanics.pushed import pushed_torques
+from exoid.symbolic.mechanics.spatial import link_columns
+from exoid.symbolic.model import STANDARD_GRAVITY
 from exoid.symbolic.motion import Float
 
 CUTOFF = 5.0
 """Hz. Low on purpose: noise of the second derivative pulls inertias to zero."""
 MOST_SECONDS, ROWS = 120.0, 1500
+TURNS, SHARPLY = 0.05, 0.005
+"""rad/s over which dry friction turns round, as wide as noise and stick make it, and hardly at all."""
 HOLE = 5.0
 """Median steps between samples that count as a hole."""
 
@@ -42,8 +49,8 @@ HOLE = 5.0
 class Smooth:
     """Evenly sampled, smoothed motion: `q`, `dq`, `ddq`, `tau` (K, J) at `step` s; `keep` picks rows for
     fitting. `base` (K, 5) is the angle of a measured base, its two derivatives, its acceleration forwards and upwards.
-    `weighs` says whether the machine moves under gravity. `forces` are {column: (K,)} of measured ones, `meant` what
-    they are, None for the usual.
+    `weighs` says whether the machine moves under gravity, of one in space under which (3,) in m/s². `forces` are
+    {column: (K,)} of measured ones, `meant` what they are, None for the usual.
     """
 
     q: Float
@@ -54,7 +61,7 @@ class Smooth:
     keep: slice
     base: Float | None = None
     joints: tuple[Joint, ...] = LEG
-    weighs: bool = True
+    weighs: float | Vector = True
     forces: Mapping[str, Float] = field(default_factory=dict)
     meant: tuple[Force, ...] | None = None
     measured: NDArray[np.bool_] = None  # type: ignore[assignment]
@@ -202,7 +209,7 @@ def columns(q: Float, dq: Float, ddq: Float) -> Float:
     none, one = np.zeros_like(s1), np.ones_like(s1)
     hip = [a1, a1 + a2, c2 * (2 * a1 + a2) - s2 * (2 * v1 * v2 + v2**2), s1, s12]
     knee = [none, a1 + a2, c2 * a1 + s2 * v1**2, none, s12]
-    soft1, soft2 = np.tanh(v1 / 0.05), np.tanh(v2 / 0.05)
+    soft1, soft2 = np.tanh(v1 / TURNS), np.tanh(v2 / TURNS)
     hip += [none, soft1, v1, none, none, one, -one, none, none]
     knee += [a2, none, none, soft2, v2, none, none, one, -one]
     return np.stack([np.column_stack(hip), np.column_stack(knee)])
@@ -230,31 +237,58 @@ def machine_columns(motion: Smooth) -> Float:
 
     A weight has a number of its own, since the scale of gravity need not be known. Where there is none, and where a
     joint slides, a spring may be all that pulls: moved at one frequency, it would be the mass of a force with the
-    other sign.
+    other sign. In space, where far less is left, so it is everywhere.
     """
     joints, q, dq, ddq, base = motion.joints, motion.q, motion.dq, motion.ddq, motion.base
     pushed = pushed_columns(motion)
     if is_leg(joints) and base is None:
         return np.concatenate([columns(q, dq, ddq), pushed], axis=2)
-    count, still = range(len(joints)), list(np.zeros_like(q).T)
-    links = link_torques(
-        joints, 0.0, list(q.T), list(dq.T), list(ddq.T), np, STILL if base is None else BaseMotion(*base.T)
-    )
-    turned = STILL if base is None else BaseMotion(angle=base[:, 0])
-    weights = link_torques(joints, 1.0, list(q.T), still, still, np, turned) if motion.weighs else []
-    found = [one[kind] for one in links for kind in ("J", "X", "m")]
-    found += [one[kind] for one in weights for kind in ("X", "m")]
-    # Where a link slides, the zero of its position is anybody's, and its first moment of either sign.
-    found += [[-x for x in of[k]["X"]] for k in count if not joints[k].turns for of in (links, weights) if of]
+    count, spatial = range(len(joints)), is_spatial(joints)
+    found = _in_space(motion) if spatial else _in_a_plane(motion, base)
     out = [[row[k] + np.zeros(len(q)) for row in found] for k in count]
     for k, (joint, above) in enumerate(zip(joints, parents(joints), strict=True)):
-        own = [np.tanh(dq[:, k] / (width * joint.reach)) for width in (0.05, 0.005)] + [
+        own = [np.tanh(dq[:, k] / (width * joint.reach)) for width in (TURNS, SHARPLY)] + [
             dq[:, k],
             np.ones(len(q)),
             -np.ones(len(q)),
         ]
         own += [ddq[:, k]] if above is not None else []
-        own += [] if joint.turns and motion.weighs else [q[:, k] - q[:, k].mean()]
+        own += [] if joint.turns and motion.weighs and not spatial else [q[:, k] - q[:, k].mean()]
         for other in count:
             out[other] += [column if other == k else np.zeros(len(q)) for column in own]
     return np.concatenate([np.stack([np.column_stack(row) for row in out]), pushed], axis=2)
+
+
+def either_sign(motion: Smooth) -> int:
+    """Return how many of the first `machine_columns` may have negative numbers: those of links in space."""
+    return len(base_parameters(motion.joints, _pull(motion))) if is_spatial(motion.joints) else 0
+
+
+def _in_a_plane(motion: Smooth, base: Float | None) -> list[Sequence[Any]]:
+    """Return what links and weights of a planar machine take, a row per number, an entry (K,) per joint."""
+    joints, q, dq, ddq = motion.joints, motion.q, motion.dq, motion.ddq
+    still = list(np.zeros_like(q).T)
+    links = link_torques(
+        joints, 0.0, list(q.T), list(dq.T), list(ddq.T), np, STILL if base is None else BaseMotion(*base.T)
+    )
+    turned = STILL if base is None else BaseMotion(angle=base[:, 0])
+    weights = link_torques(joints, 1.0, list(q.T), still, still, np, turned) if motion.weighs else []
+    found: list[Sequence[Any]] = [one[kind] for one in links for kind in ("J", "X", "m")]
+    found += [one[kind] for one in weights for kind in ("X", "m")]
+    # Where a link slides, the zero of its position is anybody's, and its first moment of either sign.
+    slides = [k for k, joint in enumerate(joints) if not joint.turns]
+    found += [[-x for x in of[k]["X"]] for k in slides for of in (links, weights) if of]
+    return found
+
+
+def _in_space(motion: Smooth) -> list[Sequence[Any]]:
+    """Return the same of a spatial machine, of what a motion shows of its links."""
+    joints, pull = motion.joints, _pull(motion)
+    wanted = [(one.link, one.kind) for one in base_parameters(joints, pull)]
+    found = link_columns(joints, pull, list(motion.q.T), list(motion.dq.T), list(motion.ddq.T), np, wanted)
+    return list(found)
+
+
+def _pull(motion: Smooth) -> Vector:
+    """Return gravity (3,) as a spatial machine has it where nothing else is said: downwards."""
+    return motion.weighs if isinstance(motion.weighs, tuple) else pull_of(STANDARD_GRAVITY if motion.weighs else 0.0)

@@ -28,6 +28,9 @@ SHORT = 0.03
 """m to the next joint below which a link in space is of half the length `LENGTH`."""
 RESERVE = 5.0
 """Largest torque of a drive over what the machine needs on a usual motion."""
+BRAKED = 160.0
+"""rad/s² at which dry friction alone brakes what a drive is made for at most: that of a small wrist, made for its link
+alone, would not overcome its friction."""
 STRONG = 100.0
 """N·m or N of a drive from which on its torque sensor has all of the bench's noise; of weaker ones it is finer."""
 
@@ -36,7 +39,7 @@ STRONG = 100.0
 class Machine:
     """What the bench's machine is made of: `base` are the parameters of the model without terms, in its order.
 
-    `torque_limit` (J,) N·m or N is where the drives saturate, `inertia` (J,) kg·m² or kg what each of them feels.
+    `torque_limit` (J,) N·m or N is where the drives saturate, `inertia` (J,) kg·m² or kg what each is for.
     """
 
     name: str
@@ -96,7 +99,9 @@ def _machine(model: Model, factors: np.ndarray) -> Machine:
     rest = model_torque(model, Motion(motion.t, motion.q, still, still), base)
     eye = np.eye(len(joints))
     pushed = (model_torque(model, Motion(motion.t, motion.q, still, still + row), base) - rest for row in eye)
-    inertia = [float(np.median(torque[:, j])) for j, torque in enumerate(pushed)]
+    felt = (float(np.median(torque[:, j])) for j, torque in enumerate(pushed))
+    least = (dry / (BRAKED * joint.reach) for dry, joint in zip(friction[::2], joints, strict=True))
+    inertia = [max(own, dry) for own, dry in zip(felt, least, strict=True)]
     need = np.abs(model_torque(model, motion, base)).max(axis=0)
     return Machine(model.name, tuple(base.tolist()), tuple((RESERVE * need).tolist()), tuple(inertia))
 

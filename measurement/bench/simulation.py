@@ -35,7 +35,7 @@ from exoid.measurement.recording import Recording
 from exoid.measurement.selection import swings
 from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
 from exoid.symbolic.effect import Effect
-from exoid.symbolic.joints import is_leg
+from exoid.symbolic.joints import is_leg, machine_word
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
 
@@ -295,7 +295,8 @@ def _drive(
     first = (np.zeros(0) if part is None else part[0] for part in (base, force))
     record = integrate(plant.step, plant.start(*begin, mechanical.linear, mechanical.shape, *first), given, numbers)
     states = record.reshape(6, len(joints), -1)
-    _check_sane(states, reach, ", ".join(term.name for term in mechanical.model.terms) or leg.name)
+    where = ", ".join(term.name for term in mechanical.model.terms) or leg.name
+    _check_sane(states, reach, machine_word(joints), where)
     kept = slice(before, None, per_sample)
     at_limit = np.abs(states[4][:, kept]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
     q, dq, ddq, sign = (states[k].T for k in range(4))
@@ -312,14 +313,14 @@ def _sampled(motion: Motion, kept: slice) -> Motion:
     return Motion(t, q, dq, ddq, sign, base=base, force=force)
 
 
-def _check_sane(states: Float, reach: Float, where: str) -> None:
+def _check_sane(states: Float, reach: Float, machine: str, where: str) -> None:
     """Raise BenchError when the machine ran away, or when too many steps do not satisfy the equation of motion.
 
     `states` (6, J, N) are those of `plant.step_function`.
     """
     wild = not np.isfinite(states).all() or np.abs(states[1] / reach[:, None]).max() > 100.0
     if wild or np.mean(np.abs(states[5]) > 0.1) > 0.01:
-        what = "the leg ran away: it moved faster than 100 rad/s, or its equation of motion has no sensible solution"
+        what = f"the {machine} ran away: faster than 100 rad/s, or its equation of motion has no sensible solution"
         remedy = "make the hidden effects smaller or give them their other sign, or stiffen the controller"
         raise BenchError(what, where=where, remedy=remedy)
 

@@ -115,7 +115,10 @@ UNUSUAL = {"hip-extension-positive": 0.2, "shank-from-horizontal-backwards": 0.0
 def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Convention]:
     """Return every convention with a name that recordings of a machine with these `joints` may keep, by name."""
     found = [*_swaps(joints), *_signs(joints)]
-    if not is_spatial(joints):  # angles against the vertical, and links in line with each other, are those of a plane
+    if is_spatial(joints):
+        turning = [k for k, joint in enumerate(joints) if joint.turns]
+        found += [_zero(k, degrees, joints) for k in turning for degrees in ZEROS]
+    else:  # angles against the vertical, and links in line with each other, are those of a plane
         found += [*_zeros(joints), *_absolute(joints)]
     if any(joint.turns for joint in joints):
         degrees = _rows(joints, {(k, k): DEGREE for k, joint in enumerate(joints) if joint.turns})
@@ -238,9 +241,25 @@ def _absolute(joints: Sequence[Joint]) -> list[Convention]:
     return found
 
 
+ZEROS = (90.0, -90.0, 180.0)
+"""Degrees at which the zero of an angle is looked for in space: there the usual ways of placing frames differ by right
+angles."""
+
+
+def _zero(joint: int, at: float, joints: Sequence[Joint]) -> Convention:
+    """Return the convention of a joint whose zero lies `at` degrees of the model's angle, m where it slides."""
+    one = joints[joint]
+    shift = tuple((math.radians(at) if one.turns else at) if k == joint else 0.0 for k in range(len(joints)))
+    channel, place = ("angle", f"{at:g}°") if one.turns else ("position", f"{at:g} m")
+    what = f"the {one.name} {channel} is zero where the model's is {place}"
+    return Convention(f"{one.name}-zero={at:g}", 3, what, "added after its sign was put right", zero=shift)
+
+
 _GEAR = re.compile(r"([A-Za-z][A-Za-z0-9_]*)-motor(|-angle|-torque)=(\d{1,4}(?:\.\d{1,4})?)")
-GEARS = "JOINT-motor=N, JOINT-motor-angle=N, JOINT-motor-torque=N"
-"""Conventions with a number: angle and torque, or only one of them, on the motor's side of a gear of ratio N."""
+_ZERO = re.compile(r"([A-Za-z][A-Za-z0-9_]*)-zero=(-?\d{1,4}(?:\.\d{1,9})?)")
+NUMBERED = "JOINT-motor=N, JOINT-motor-angle=N, JOINT-motor-torque=N, JOINT-zero=N"
+"""Conventions with a number: angle and torque, or only one of them, on the motor's side of a gear of ratio N; the zero
+of a joint at N degrees (m where it slides) of the model's."""
 
 
 def gear(joint: int, part: str, ratio: float, joints: Sequence[Joint] = LEG) -> Convention:
@@ -271,11 +290,14 @@ def _named(name: str, joints: tuple[Joint, ...]) -> Convention:
     geared = _GEAR.fullmatch(name)
     if geared and geared[1] in names(joints) and float(geared[3]) > 0.0:
         return gear(names(joints).index(geared[1]), geared[2].removeprefix("-"), float(geared[3]), joints)
+    placed = _ZERO.fullmatch(name)
+    if placed and placed[1] in names(joints):
+        return _zero(names(joints).index(placed[1]), float(placed[2]), joints)
     known = conventions_of_machine(joints)
     if name not in known:
         whose = "" if is_leg(joints) else f" of a machine with {', '.join(names(joints))}"
         what = f"there is no convention called {name!r}{whose}"
-        raise RecordingError(what, remedy=did_you_mean(name, list(known)) or f"known: {', '.join(known)}, {GEARS}")
+        raise RecordingError(what, remedy=did_you_mean(name, list(known)) or f"known: {', '.join(known)}, {NUMBERED}")
     return known[name]
 
 

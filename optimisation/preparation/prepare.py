@@ -131,9 +131,9 @@ def prepare(
     else:
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for")
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
-    weighs = model.gravity > 0.0
     meant = model.forces or None
-    misread = tuple(f for group in (recordings, verify) for f in check_conventions(group, weighs, meant))
+    misread = check_conventions(recordings, model.pull, meant)
+    misread += check_conventions(verify, model.pull, meant, () if misread else recordings)
     misread = misread or check_scales(recordings)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)

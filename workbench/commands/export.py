@@ -67,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
             notes += form.notes(ready, options) if hasattr(form, "notes") else ()
         except ExportError as error:
             if args.format:  # asked for by name: not to be passed over
-                raise
+                raise ExportError(error.what, where=error.where or f"--format {name}", remedy=error.remedy) from error
             refused[name] = str(error)
     if args.updater:
         from exoid.diagnosis.watching.front import CUTOFF

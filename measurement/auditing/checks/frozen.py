@@ -11,6 +11,7 @@ from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import FORCE, Channel, channels, place, runs
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import machine_word
 
 LEAST_ROWS = Threshold(10, "rows of one value: a slow turning point on a coarse grid passes for a frozen channel")
 LEAST_SECONDS = Threshold(0.1, "s of one value: the same at a high rate")
@@ -50,7 +51,7 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
 
 def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64]) -> Finding:
     """Return what there is to say about `rows` in which a channel is frozen."""
-    what = f"the {channel.label} is frozen in {rows.size} rows while the leg moves"
+    what = f"the {channel.label} is frozen in {rows.size} rows while the {machine_word(recording.joints)} moves"
     where, share = place(recording, channel.name, rows), rows.size / len(recording)
     remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"
     consequence = "the rows pull every parameter of this joint"
