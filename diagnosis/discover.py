@@ -81,16 +81,16 @@ def answer_of(
     began = time.perf_counter()
     tick, found = once(tick), found and once(found)
     base = question.fitted(recordings, verify, tick, prepared)
-    odd = apart(base) if len(base.prepared.all) > OTHERS else ()
+    odd = apart(base, question.rules) if len(base.prepared.all) > OTHERS else ()
     fitted = [one for k, one in enumerate(recordings) if k not in odd]
     held = [one for k, one in enumerate(verify, len(recordings)) if k not in odd]
     if not odd or not fitted or (verify and not held):
         return _answer(question, base, recordings, verify, tick, found, began)
     half = _part(tick, 0.0, 0.5)
     of_others = _answer(question, question.fitted(fitted, held, half), fitted, held, half, found, began)
-    odd = still_apart(base, of_others.fit, odd)
+    odd = still_apart(base, of_others.fit, odd, question.rules)
     if odd and of_others.accepted:
-        return _without(of_others, base, odd)
+        return _without(of_others, base, odd, question.rules)
     whole = _answer(question, base, recordings, verify, _part(tick, 0.5, 1.0), found, began)
     if not odd or whole.accepted or of_others.verdict != "adequate":
         return whole
@@ -100,12 +100,12 @@ def answer_of(
         base, of_others.fit, odd
     ):
         return whole
-    return _without(of_others, base, odd)
+    return _without(of_others, base, odd, question.rules)
 
 
-def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int]) -> Diagnosis:
+def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int], rules: Rules) -> Diagnosis:
     """Return the answer of the other recordings, and what is to be said of those that are `odd`."""
-    left_out = why_apart(base, answer.fit, odd)
+    left_out = why_apart(base, answer.fit, odd, rules)
     sentence = " ".join([answer.sentence, *(f"{one.sentence}." for one in left_out)])
     return replace(answer, sentence=sentence, left_out=left_out)
 

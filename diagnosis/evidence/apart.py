@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
-from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import index_of_least
@@ -39,7 +39,7 @@ class Apart(AsJson):
     sentence: str
 
 
-def apart(base: FittedModel) -> tuple[int, ...]:
+def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
     """Return which recordings (indices, fitted ones first) are apart from the others; () where none or too many are."""
     grams = _Grams(base)
     count = len(base.prepared.all)
@@ -52,36 +52,38 @@ def apart(base: FittedModel) -> tuple[int, ...]:
         out.append(worst)
         rest.remove(worst)
         left = grams.errors(rest, [*rest, *out])
-        if all(_plain(own, np.nan_to_num(left[: len(rest)]).max(axis=0)).any() for own in left[len(rest) :]):
+        if all(_plain(own, np.nan_to_num(left[: len(rest)]).max(axis=0), rules).any() for own in left[len(rest) :]):
             plain = tuple(sorted(out))
     return plain
 
 
-def still_apart(base: FittedModel, found: Fit, odd: Sequence[int]) -> tuple[int, ...]:
+def still_apart(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[int, ...]:
     """Return which of the recordings `odd` the model that was found for the others does not explain either."""
     left = _left_by(base, found, odd)
     others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
-    return tuple(k for k, own in zip(odd, left[-len(odd) :], strict=True) if _plain(own, others).any())
+    return tuple(k for k, own in zip(odd, left[-len(odd) :], strict=True) if _plain(own, others, rules).any())
 
 
-def why_apart(base: FittedModel, found: Fit, odd: Sequence[int]) -> tuple[Apart, ...]:
+def why_apart(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[Apart, ...]:
     """Return what is to be said of the recordings that the model found for the others does not explain."""
     left, power = _left_by(base, found, odd), _power(base)
     others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
     out = []
     for k, own in zip(odd, left[-len(odd) :], strict=True):
-        plain = _plain(own, others)
+        plain = _plain(own, others, rules)
         errors = ", ".join(
             f"{np.sqrt(own[j] * power[j]):.3g} {joint.unit('tau')} at the {joint.name} "
             f"({np.sqrt(own[j] / max(others[j], 1e-12)):.2g} times as much as of any other)"
             for j, joint in enumerate(base.model.joints)
             if plain[j]
         )
-        out.append(_why(base, found, base.prepared.all[k], own, errors))
+        out.append(_why(base, found, base.prepared.all[k], own, errors, rules))
     return tuple(out)
 
 
-def _why(base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, errors: str) -> Apart:
+def _why(
+    base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, errors: str, rules: Rules
+) -> Apart:
     text = f"{one.name} is left out: what explains the others leaves {errors}"
     read = next((f for f in base.prepared.misread if _is_of(f, one.name)), None)
     if read is not None:
@@ -90,7 +92,7 @@ def _why(base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, e
     if own is None:
         return Apart(one.name, text)
     alone, left = own
-    if left > RULES.little * np.nansum(shares):
+    if left > rules.little * np.nansum(shares):
         return Apart(one.name, f"{text}, and fitted alone it is not explained either: look at its columns and sensors")
     moved = ", ".join(moved_numbers(found, alone)[:4])
     numbers = f" ({moved})" if moved else ""
@@ -144,10 +146,10 @@ def _is_of(finding: Finding, name: str) -> bool:
     return finding.where == name or finding.where.endswith((f"/{name}", f"/{name}.csv"))
 
 
-def _plain(own: Float, others: Float) -> NDArray[np.bool_]:
+def _plain(own: Float, others: Float, rules: Rules) -> NDArray[np.bool_]:
     """Return at which joints (J,) far more is left of one recording, `own`, than of any other, `others`."""
     known = np.nan_to_num(own)
-    return np.asarray((known > RULES.worth_telling) & (known > RULES.near_noise**2 * others))
+    return np.asarray((known > rules.worth_telling) & (known > rules.near_noise**2 * others))
 
 
 def _power(base: FittedModel) -> Float:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis import discover
-from exoid.diagnosis.evidence import apart as module
 from exoid.diagnosis.evidence.apart import apart
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.rules import RULES
@@ -43,10 +42,10 @@ def turned(one):
     return replace(one, tau=-one.tau)
 
 
-def names(runs, held=0):
+def names(runs, held=0, **changes):
     prepared = prepare(AXIS, runs[: len(runs) - held], runs[len(runs) - held :])
     base = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
-    return [prepared.all[k].name for k in apart(base)]
+    return [prepared.all[k].name for k in apart(base, replace(RULES, **changes))]
 
 
 @pytest.fixture(scope="module")
@@ -76,22 +75,20 @@ def test_two_of_six_are_found_and_three_are_not(runs):
 
 
 @pytest.mark.shows("worth_telling")
-def test_a_little_more_is_no_other_machine(monkeypatch):
+def test_a_little_more_is_no_other_machine():
     alike = [drive(k, noise=0.01) for k in range(4)]
     heavier = drive(4, numbers=NUMBERS * [1.05, 1.05, 1.0, 1.0], noise=0.01)
     assert names([*alike, heavier]) == []
-    monkeypatch.setattr(module, "RULES", replace(RULES, worth_telling=0.0005))
-    assert names([*alike, heavier]) == ["run_4"]
+    assert names([*alike, heavier], worth_telling=0.0005) == ["run_4"]
 
 
 @pytest.mark.shows("near_noise")
-def test_a_motion_in_which_an_effect_is_large_is_not_apart(monkeypatch):
+def test_a_motion_in_which_an_effect_is_large_is_not_apart():
     varied = [drive(k, quadratic=1.0) for k in range(4)]
     assert names([*varied, drive(7, quadratic=1.0)]) == []
     other = drive(7, quadratic=2.0)
     assert names([*varied, other]) == ["run_7"]
-    monkeypatch.setattr(module, "RULES", replace(RULES, near_noise=30.0))
-    assert names([*varied, other]) == []
+    assert names([*varied, other], near_noise=30.0) == []
 
 
 def test_the_others_are_answered_and_it_is_named(runs):
