@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis import discover
-from exoid.diagnosis.evidence.apart import apart
+from exoid.diagnosis.evidence.apart import apart, explained_alone
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.recording import Recording
@@ -89,6 +89,15 @@ def test_a_motion_in_which_an_effect_is_large_is_not_apart():
     other = drive(7, quadratic=2.0)
     assert names([*varied, other]) == ["run_7"]
     assert names([*varied, other], near_noise=30.0) == []
+
+
+def test_numbers_of_its_own_explain_another_machine_and_no_stuck_torque():
+    alike = [drive(k) for k in range(4)]
+    for odd, known in ((drive(4, numbers=1.5 * NUMBERS), True), (stuck(drive(4)), False)):
+        prepared = prepare(AXIS, [*alike, odd])
+        base = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
+        found = identify(AXIS, prepared.train[:4], optimisers=())
+        assert (explained_alone(base, found, [4]) > 0.9) is known
 
 
 def test_the_others_are_answered_and_it_is_named(runs):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from synthetic import search, state_with
 
 from exoid.diagnosis.search import choice
+from exoid.diagnosis.search import take_back as module
 from exoid.diagnosis.search.choice import contains
 from exoid.diagnosis.search.drop_unsteady import drop_unsteady
 from exoid.diagnosis.search.engine import run_search
@@ -98,6 +100,17 @@ def test_take_back_leaves_the_right_term_alone(plain):
     found = take_back(plain, state)
     assert found.names == state.names
     assert found.left is None
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_terms_that_a_curve_beats_the_weaker_one_goes_first(order, plain, monkeypatch):
+    """Whichever was accepted first: what imitates a true effect is beaten by what that effect leaves as well."""
+    winner = SimpleNamespace(supersedes=lambda columns: False)
+    monkeypatch.setattr(
+        module, "beaten", lambda now, evidence, joint, term, numbers, several: None if several else winner
+    )
+    state = state_with(plain, *["stribeck:hip", "viscous_cubic:hip"][::order])
+    assert take_back(plain, state).names == ("stribeck:hip",)
 
 
 def test_what_only_some_recordings_support_is_dropped():
