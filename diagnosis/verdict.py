@@ -91,7 +91,7 @@ class _End:
     stopped: str
 
     @property
-    def sways(self) -> str:
+    def oscillation(self) -> str:
         """What swings, as a sentence that follows others."""
         return "" if self.swing is None else f" And {self.swing.sentence}"
 
@@ -114,7 +114,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
             "unexplained",
             f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
             f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
-            + end.sways
+            + end.oscillation
             + end.nearest,
             end.stopped,
             swing.advice
@@ -127,7 +127,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
         return Conclusion(
             "unexplained",
             f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
-            f"The model is not as good as the sensors: {error.sentence}.{end.sways}{end.nearest}",
+            f"The model is not as good as the sensors: {error.sentence}.{end.oscillation}{end.nearest}",
             end.stopped,
             error.advice if swing is None else swing.advice,
             error,
@@ -160,7 +160,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
 
 def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclusion:
     """Return the conclusion where something was accepted."""
-    left, error, where, sways = end.left, end.error, end.where, end.sways
+    left, error, where = end.left, end.error, end.where
     if error is not None and left is None:
         advice = error.advice
     alike = [a for a in accepted if a.look_alikes]
@@ -171,7 +171,7 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
         text += f" Still unexplained: {left.sentence}{_size(error)}."
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
-    text += sways
+    text += end.oscillation
     if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
         named = {term.name: term.effect for term in end.last.model.terms}
         names = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
@@ -220,7 +220,7 @@ def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Con
         f"Something is missing that the catalogue does not describe; the error is {_times(first):.2g} times the noise "
         f"floor. Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
         stopped,
-        "a link that swings behind a drive that gives way looks so: measure its angle behind the drive, or clamp the "
+        "a link that swings behind a compliant drive looks so: measure its angle behind the drive, or clamp the "
         "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
         "knock against the leg",
     )
@@ -254,14 +254,14 @@ def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
 
 
 def swayed(sway: OwnSway, answer: Conclusion, joints: Sequence[Joint]) -> Conclusion:
-    """Return `answer` where what is missing is a base that sways, each time with another phase."""
+    """Return `answer` where what is missing is a base that oscillates, each time with another phase."""
     falls = _told_falls(sway.before, sway.after, joints)
     return replace(
         answer,
         verdict="unexplained",
         rule=f"a sway of the base, each half of a recording by the other, explains {100 * sway.share:.0f} % of what is "
         "left",
-        sentence=f"What the machine hangs from sways {sway.words} ({falls}). No model of the motion alone can predict "
+        sentence=f"The base oscillates {sway.words} ({falls}). No model of the motion alone can predict "
         "that: nothing is accepted. Nearest in the catalogue: base_motion, which has one amplitude for all recordings.",
         next_experiment=sway.advice,
     )

@@ -53,7 +53,7 @@ def possible_beside(
 
 def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
     """Return what is possible, with the sway in the place of one of the same size in all recordings."""
-    reason = f"the base sways {sway.words}: no model of the motion alone can predict that"
+    reason = f"the base oscillates {sway.words}: no model of the motion alone can predict that"
     found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
     both = [found, *(one for one in possible if one.effect != SWAY)]
     return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])

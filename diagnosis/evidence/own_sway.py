@@ -1,4 +1,4 @@
-"""Does what the machine hangs from sway at one frequency, with an amplitude and a phase of its own in each recording?
+"""Does the base oscillate at one frequency, with an amplitude and a phase of its own in each recording?
 
 Whoever starts a recorder does not ask the stand for its phase. At a given frequency the torque of the sway is linear in
 its sine and cosine parts, so each recording can have its own, and only the frequency is searched. The model's numbers

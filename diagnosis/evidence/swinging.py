@@ -1,4 +1,4 @@
-"""What swings at one frequency in every recording, whatever the motion: a base that sways, an engine, a fan.
+"""What swings at one frequency in every recording, whatever the motion: a base that oscillates, an engine, a fan.
 
 Where its phase differs from recording to recording, no function of motion and common clock can describe it.
 """
@@ -39,7 +39,7 @@ class Swing:
         """What it is, in words."""
         return (
             f"at least {100 * self.share:.0f} % of what is left at the {self.joint} swings at {self.hertz:.2g} Hz in "
-            "every recording, whatever the motion: does what the machine hangs from sway, each time with another phase?"
+            "every recording, whatever the motion: does the base oscillate, each time with another phase?"
         )
 
     @property
@@ -51,7 +51,7 @@ class Swing:
 def advice_at(hertz: float) -> str:
     """Return what to do about what swings at `hertz`."""
     return (
-        f"clamp what the machine hangs from, or find what moves at {hertz:.2g} Hz; if the sway cannot be stopped, "
+        f"clamp the base, or find what moves at {hertz:.2g} Hz; if it cannot be stopped, "
         "measure the motion of the base; base_motion describes a sway of the same size in every recording"
     )
 

@@ -16,12 +16,14 @@ INSTEAD = {
     r"\blets? (it|them) be\b": "leaves unchanged",
     r"done it just as well": "indistinguishable",
     r"the lesser one is hardly": "the smaller candidate is unlikely",
-    r"hangs from swings": "the base oscillates",
+    r"hangs from (swings|sways)": "the base oscillates",
+    r"(?-i:\bsways\b)": "oscillates",
+    r"\bgives? way\b": "compliance",
     r"identified numbers": "identified parameters",
     r"model's numbers": "model's parameters",
 }
 """What is not said any more, and what is said in its place."""
-INSTEAD_BELOW_THE_VERDICT = {r"\bgives? way\b": "compliance", r"\bsways?\b": "oscillates", r"\bdoubts?\b": "objection"}
+INSTEAD_BELOW_THE_VERDICT = {r"\bdoubts?\b": "objection"}
 """The same where no verdict describes what a technician would see."""
 
 

@@ -52,7 +52,7 @@ def test_a_sway_with_a_phase_of_its_own_in_every_recording_is_found_with_its_siz
     assert found.parameters["forward"].low <= 0.8 <= found.parameters["forward"].high
     answer = swayed(found, Conclusion("missing", "", "", "", ""), last.model.joints)
     assert answer.verdict == "unexplained"
-    assert "sways at 1.3 Hz, 0.8" in answer.sentence and "hip" in answer.sentence
+    assert "oscillates at 1.3 Hz, 0.8" in answer.sentence and "hip" in answer.sentence
 
 
 def test_no_sway_is_seen_where_none_is_or_where_it_is_the_lesser_part():
