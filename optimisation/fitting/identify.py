@@ -85,12 +85,13 @@ def identify(
     spread = spread_of(assembly, best, best_shape, limits)
     estimates = estimates_of(model, best.linear, best_shape, spread, possible)
     centre_shape = middle(best_shape)
+    known = possible is not None and not possible.broken(best.linear)
     cautions = (
         *numerical(model, best, centre_shape, bool(model.shapes) and asked.shape is None),
         *unproven(stage),
         *price(model, changed, best.linear, spread.half_widths()),
         *own_numbers(model),
-        *check_plausibility(model, best.linear, estimates, centre_shape),
+        *check_plausibility(model, best.linear, estimates, centre_shape, realisable=known),
     )
     return Fit(
         model=model,

@@ -24,18 +24,20 @@ POSTURES = 300
 
 
 def check_plausibility(
-    model: Model, linear: Float, estimates: Sequence[Estimate], shape: Float | None = None
+    model: Model, linear: Float, estimates: Sequence[Estimate], shape: Float | None = None, *, realisable: bool = False
 ) -> tuple[Finding, ...]:
     """Return what is physically doubtful about `linear` (P,) with shape values (S,); nothing when all is
     well.
 
     `estimates` give the intervals: a value whose interval reaches the bound is called indistinguishable
-    from it.
+    from it. `realisable` says that positive masses are known to have these numbers: at the edge of what is possible
+    they are not easily found again.
     """
     found = _bounds(model, linear, estimates)
     inertial = [e for e in estimates if e.name.startswith("Phi")]
     if all(np.isfinite([e.low, e.high]).all() for e in inertial):  # else some are not known, and nothing is wrong
-        found += [*_inertia(model, linear, shape), *_realisable(model, linear)]
+        found += _inertia(model, linear, shape)
+        found += [] if realisable else _realisable(model, linear)
     return tuple(found)
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
 from exoid.optimisation.linear.physical import certify_physical, physics, solve_physical
 from exoid.optimisation.linear.problem import LinearData
@@ -21,6 +23,7 @@ from tests.workbench.test_export_space import check, mujoco_reads, pinocchio_rea
 
 KINDS = (("revolute",), ("revolute", "revolute", "prismatic"), ("prismatic", "revolute"))
 SAMPLES = 200
+WRIST = spatial_machine(parse_robot(arm_text(6, 3).encode())).model
 
 
 def arm(seed, count, noise, kinds=("revolute",)):
@@ -97,6 +100,15 @@ def test_what_can_be_stays_as_it_is():
     found = solve_physical(data, np.full(3, np.inf), possible)
     np.testing.assert_array_equal(found, solve_sse(data))
     assert certify_physical(data, found, np.full(3, np.inf), possible).holds
+
+
+def test_a_possible_fit_is_not_called_impossible():
+    runs = [run.recording for run in simulate_runs(2, WRIST, seed=3, bench=Bench(duration=12.0))]
+    free, held = (identify(WRIST, runs, optimisers=(), physical=physical) for physical in (False, True))
+    assert held.certificate.holds and any(one.check == "realisable" for one in free.plausibility)
+    assert not any(one.check == "realisable" for one in held.plausibility)
+    (said,) = (one for one in held.plausibility if one.check == "possible")
+    assert "a possible machine" in said.what
 
 
 def test_an_arm_of_small_inertias_goes_out_to_simulators():

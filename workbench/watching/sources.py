@@ -61,7 +61,7 @@ def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[F
         check_text(args.source)
         yield from _lines(lines(args.source), watcher, grown(args.source, True if args.follow else None))
         return
-    for one in read(args.source, told, quiet=args.quiet):
+    for one in read(args.source, told, joints=model.joints, quiet=args.quiet):
         rows, names = stream_of(watcher.model, one)
         watcher.measures(names)
         for first in range(0, len(rows), 1000):
