@@ -252,7 +252,7 @@ def _zero(joint: int, at: float, joints: Sequence[Joint]) -> Convention:
     shift = tuple((math.radians(at) if one.turns else at) if k == joint else 0.0 for k in range(len(joints)))
     channel, place = ("angle", f"{at:g}°") if one.turns else ("position", f"{at:g} m")
     what = f"the {one.name} {channel} is zero where the model's is {place}"
-    return Convention(f"{one.name}-zero={at:g}", 3, what, "added after its sign was put right", zero=shift)
+    return Convention(f"{one.name}-zero={at:.12g}", 3, what, "added after its sign was put right", zero=shift)
 
 
 _GEAR = re.compile(r"([A-Za-z][A-Za-z0-9_]*)-motor(|-angle|-torque)=(\d{1,4}(?:\.\d{1,4})?)")

@@ -10,6 +10,7 @@ from exoid.diagnosis.evidence.power import Power, power_said
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.leg import random_leg
 from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.workbench.report.sections import power as power_section
 
@@ -61,6 +62,19 @@ def test_the_sentence_names_what_would_not_have_shown():
     assert text.startswith("At its usual size 1 of 3 effects would have shown; too little is said")
     assert "End stop at the hip (at any size); Stribeck friction at the knee (found from 17.6 N·m, usually 5)" in text
     assert power_said(hidden).startswith("At its usual size no effect would have shown")
+
+
+def test_at_a_joint_that_slides_sizes_have_its_units_and_none_is_beyond_its_range():
+    rail = Model("rail", gravity=0.0, joints=(Joint("rail", "prismatic"),))
+    runs = [run.recording for run in simulate_runs(3, rail, seed=SEED, bench=Bench(duration=12.0))]
+    told = {one.name: one for one in discover(rail, runs[:2], runs[2:]).power}
+    assert told["stribeck:rail"].unit == "N" and told["viscous_cubic:rail"].unit == "N·s³/m³"
+    at_the_rail = [one for one in told.values() if one.joint]
+    assert not [one for one in at_the_rail if "rad" in one.unit]
+    for one in at_the_rail:
+        parameters = rail.with_effect(one.name).parameters
+        most = {p.name.rpartition(".")[2]: p.max for p in parameters}.get(one.parameter)
+        assert most is None or one.smallest <= most or one.smallest == np.inf
 
 
 def test_the_report_has_what_would_have_shown_least_first(nothing):

@@ -11,7 +11,7 @@ from exoid.measurement.bench.plant import EXACT, friction_impulse
 from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, BenchError, run_bench
 from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
-from exoid.symbolic.joints import Joint
+from exoid.symbolic.joints import Joint, Origin
 from exoid.symbolic.model import Limits, Model
 
 DRIVE = Model("drive", joints=(Joint("drive"),))
@@ -80,3 +80,15 @@ def test_usual_limits_stand_in_for_those_a_model_leaves_out():
 def test_what_the_bench_cannot_move_is_refused():
     with pytest.raises(BenchError, match="base parameters"):
         run_bench(CRANE, standard_machine(DRIVE), bench=IDEAL)
+
+
+def test_a_light_wrist_overcomes_its_friction():
+    quarter = 0.5 * np.pi
+    places = ((0.0, 0.0, 0.2), (0.0, 0.1, 0.0), (0.4, 0.0, 0.0), (0.3, 0.0, 0.1), (0.0, 0.08, 0.0))
+    turned = (0.0, quarter, 0.0, quarter, -quarter)
+    arm = Model("arm", joints=tuple(
+        Joint(f"j{k}", axis=(0.0, 0.0, 1.0), origin=Origin(place, (roll, 0.0, 0.0)))
+        for k, (place, roll) in enumerate(zip(places, turned, strict=True))
+    ))  # fmt: skip
+    run = run_bench(arm, bench=Bench(duration=8.0), seed=1)
+    assert np.all(np.ptp(run.recording.q, axis=0) > 0.5)

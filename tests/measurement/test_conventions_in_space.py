@@ -105,6 +105,8 @@ def test_of_several_recordings_the_odd_one_is_named():
 def test_a_zero_may_lie_at_any_angle_and_a_rails_at_any_place():
     run = moved(RAIL)
     right = read_as(run, "elbow-negated,elbow-zero=-37.5,rail-zero=0.25")
+    assert right.conventions == ("elbow-negated", "elbow-zero=-37.5", "rail-zero=0.25")
+    assert conventions("lift-zero=12.3456789", ARM)[0].name == "lift-zero=12.3456789"
     np.testing.assert_allclose(right.q[:, 3], -run.q[:, 3] - np.radians(37.5), atol=1e-12)
     np.testing.assert_allclose(right.q[:, 0], run.q[:, 0] + 0.25, atol=1e-12)
     (rail,) = conventions("rail-zero=0.25", RAIL)

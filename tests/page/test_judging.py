@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import time
+from contextlib import closing
 
 import pytest
 
+from exoid.measurement import simulate, write_recording
+from exoid.symbolic import Joint, Model, write_model
 from exoid.workbench.commands.demo import DATA
 from exoid.workbench.page.saved import reopen, save
+from exoid.workbench.page.takeaway import report
 from exoid.workbench.page.views import details, state
 from exoid.workbench.page.work import start_work
 from exoid.workbench.page.workspace import Workspace
@@ -80,3 +84,16 @@ def test_it_can_be_switched_off(space):
     start_work(space)
     shown = wait_for(space, lambda shown: shown["ready"] and shown["ranking"] and shown["ranking"]["finished"])
     assert shown["auto"] == {"on": False, "running": False} and shown["verdict"]["kind"] == "open"
+
+
+def test_a_report_before_anything_was_judged_is_of_the_machine_and_not_of_a_leg(tmp_path):
+    drive = Model("drive", joints=(Joint("drive"),))
+    write_model(drive, tmp_path / "drive.toml")
+    path = write_recording(simulate(drive, duration=8.0), tmp_path / "run.csv")
+    with closing(Workspace(tmp_path / "mappings", cutoff=6.0)) as workspace:
+        workspace.use_model(tmp_path / "drive.toml", "drive.toml")
+        workspace.add_file(path, path.name)
+        start_work(workspace)
+        wait_for(workspace, lambda shown: shown["ready"] and shown["fitted"])
+        page = report(workspace)
+    assert "drive" in page and "the knee" not in page

@@ -135,6 +135,8 @@ def test_any_tree_in_space_is_a_machine_without_editing_the_file(tmp_path):
     assert (toe.kind, toe.origin.rpy, ankle.origin.xyz) == ("prismatic", (np.pi / 2, 0.0, 0.0), (0.0, 0.0, -0.4))
     assert hip.origin.xyz == (0.0, 0.1, 0.0) and found.model.limits["hip"].angle == (-0.3, 1.2)
     assert any("right ones" in note for note in found.notes) and any("called hip_yaw" in note for note in found.notes)
+    oblique = robot_machine(robot(tmp_path, LEG.replace('<axis xyz="-1 0 0"/>', '<axis xyz="0.3 0.1 1"/>')))
+    assert not any("right ones" in note for note in oblique.notes), "a length that is not 1 is no angle"
     without = robot_machine(robot(tmp_path, swapped), ["hip-yaw", "knee"]).model
     assert without.joints[1].origin.xyz == (0.0, 0.12, -0.42), "the hip stands still at zero"
 

@@ -65,7 +65,8 @@ def report(workspace: Workspace) -> str:
     steps = [session.step(p, f"+ {p[-1]}" if p else "base") for p in path]
     said = workspace.verdict
     origin = "these effects were added by hand" if said is None else said["stopped_because"]
-    fall = Waterfall(tuple(steps), session.prepared.noise_floor, origin)
+    fits = tuple(session.fitted(p).fit for p in path)
+    fall = Waterfall(tuple(steps), session.prepared.noise_floor, origin, fits)
     diagnosis = workspace.diagnoses.get(frozenset(names))
     now = session.fitted(names)
     rms = ", ".join(
