@@ -184,6 +184,7 @@ def test_a_hard_stop_is_no_contact():
     assert intermittent(base) is None
 
 
+@pytest.mark.slow
 def test_three_joints_tell_where_the_foot_is():
     model = Model("leg with ankle", joints=tuple(Joint(name, length=0.4) for name in ("hip", "knee", "ankle")))
     at, out = Force("ground", "ankle", ("grf_x", "grf_z")), []

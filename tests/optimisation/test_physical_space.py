@@ -111,6 +111,7 @@ def test_a_possible_fit_is_not_called_impossible():
     assert "a possible machine" in said.what
 
 
+@pytest.mark.slow
 def test_an_arm_of_small_inertias_goes_out_to_simulators():
     model, data = arm(3, 6, 0.01)
     infinite, possible = np.full(6, np.inf), physics(model)

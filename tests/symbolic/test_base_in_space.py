@@ -91,6 +91,7 @@ def test_columns_of_a_base_are_known_by_their_usual_names():
     assert recognise("pelvis pitch").name == "base_angle", "of a leg"
 
 
+@pytest.mark.slow
 def test_numbers_of_an_arm_on_a_moving_base_are_found_again(tmp_path):
     runs = simulate_runs(2, SHORT, seed=4, bench=Bench(duration=20.0))
     recordings = [run.recording for run in runs]

@@ -118,6 +118,7 @@ def fitted(model, recordings):
     return fitted_model(identify(model, prepared.train, optimisers=()), prepared)
 
 
+@pytest.mark.slow
 def test_recordings_of_a_pushed_arm_are_explained_by_their_sensor():
     model = ARM.with_forces(FLANGE)
     runs = [run.recording for run in simulate_runs(2, model, seed=3, bench=Bench(duration=12.0))]
