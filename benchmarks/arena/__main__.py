@@ -3,6 +3,7 @@
     python -m benchmarks.arena FOLDER                        every case and entry; half an hour on two idle cores
     python -m benchmarks.arena FOLDER --cases 40 --entries exoid_discover base_model
     python -m benchmarks.arena FOLDER --only equations/1j --entries exoid_discover
+    python -m benchmarks.arena FOLDER --other 1100                   as many cases of other machines and motions
     python -m benchmarks.arena FOLDER --cases 40 --against OTHER     beside another program's answers, case by case
     python -m benchmarks.arena FOLDER --page docs/arena.md           the page, from what was answered so far
 
@@ -119,6 +120,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--entries", nargs="+", choices=everybody, default=everybody, metavar="NAME")
     parser.add_argument("--cases", type=int, default=None, help="the first so many cases, kinds by turns (all)")
     parser.add_argument("--only", nargs="+", default=[""], help="cases whose name contains one of these")
+    parser.add_argument("--other", type=int, default=0, metavar="N", help="other machines: seeds moved by N (0)")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--page", type=Path, default=None, help="write the page and ask nothing")
     parser.add_argument("--against", type=Path, default=None, help="compare with the answers kept there")
@@ -126,7 +128,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if given.folder.resolve().is_relative_to(ROOT):
         parser.error(f"{given.folder} is inside the repository; results are not part of it")
     given.folder.mkdir(parents=True, exist_ok=True)
-    wanted = [case for case in names() if any(part in case for part in given.only)][: given.cases]
+    wanted = [case for case in names(given.other) if any(part in case for part in given.only)][: given.cases]
     if given.page is None:
         run(given.folder, wanted, given.entries, given.processes)
     if given.against is not None:

@@ -17,11 +17,11 @@ def folder(name: str) -> list[str]:
     return sorted(path.stem for path in here.glob("*.py") if path.stem != "__init__")
 
 
-def names() -> list[str]:
-    """Return the name of every case, kinds by turns."""
+def names(other: int = 0) -> list[str]:
+    """Return the name of every case, kinds by turns; with `other`, of as many cases that nobody was tuned to."""
     piles = defaultdict(list)
     for plant in folder("plants"):
-        for name in importlib.import_module(f"benchmarks.arena.plants.{plant}").names():
+        for name in importlib.import_module(f"benchmarks.arena.plants.{plant}").names(other):
             piles[plant, kind_of(f"{plant}/{name}")].append(f"{plant}/{name}")
     for key, pile in piles.items():
         piles[key] = [pile[int(k)] for k in np.random.default_rng(0).permutation(len(pile))]

@@ -113,6 +113,7 @@ def _hermitian(inertia: float, along: float, across: float, mass: float) -> NDAr
     return np.array([[inertia, along + 1j * across], [along - 1j * across, mass]])
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def nearest_matrices(
     before: Matrices, weights: Matrices, values: Float
 ) -> NDArray[np.complex128] | None:
@@ -126,6 +127,8 @@ def nearest_matrices(
 
     def worth(nu: Float) -> tuple[float, Matrices]:
         s = start - np.einsum("p,pkij->kij", nu, weights)
+        if not np.isfinite(s).all():
+            return -np.inf, s
         sizes = np.linalg.eigvalsh(s)
         if not sizes.min() > TINY:
             return -np.inf, s
@@ -133,12 +136,17 @@ def nearest_matrices(
 
     best, s = worth(multipliers)
     for _ in range(STEPS):
-        bodies: NDArray[np.complex128] = np.asarray(np.linalg.inv(s), dtype=np.complex128)
+        try:
+            bodies: NDArray[np.complex128] = np.asarray(np.linalg.inv(s), dtype=np.complex128)
+        except np.linalg.LinAlgError:
+            return None
         pushed = np.einsum("kab,pkbc->pkac", bodies, weights)
         slope = values - np.einsum("pkaa->p", pushed).real
         curvature = np.einsum("pkab,qkba->pq", pushed, pushed).real
         step = np.linalg.lstsq(curvature, slope, rcond=1e-14)[0]
         gain = float(slope @ step)
+        if not np.isfinite(gain):  # the multipliers run away: there is no P
+            return None
         if gain < SETTLED:
             return bodies
         length = 1.0

@@ -102,6 +102,8 @@ def test_names_are_distinct_and_every_plant_has_its_part_in_the_first_of_them():
     every = names()
     assert len(set(every)) == len(every)
     assert {case.partition("/")[0] for case in every[:25]} == set(folder("plants"))
+    others = names(1100)
+    assert len(others) == len(every) and not {*others} & {*every}
 
 
 def test_rivals_that_select_name_what_is_plain(sealed):

@@ -9,6 +9,7 @@ from scipy.optimize import least_squares
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
+from exoid.optimisation.linear.links import nearest_matrices
 from exoid.optimisation.linear.physical import certify_physical, physics, solve_physical
 from exoid.optimisation.linear.problem import LinearData
 from exoid.optimisation.linear.solve import delta_rule, solve_sse
@@ -122,3 +123,18 @@ def test_an_arm_of_small_inertias_goes_out_to_simulators():
     one = ready(model, given)
     check(urdf.write(one, Options())["exoid_leg.urdf"], model, given, pinocchio_reads)
     check(mjcf.write(one, Options())["exoid_leg.xml"], model, given, mujoco_reads)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_numbers_that_no_matrices_have_are_no_traceback(seed):
+    """Multipliers then run away, as far as matrices of which nothing can be inverted."""
+    rng = np.random.default_rng(seed)
+    for _ in range(60):
+        size, bodies, count = (int(k) for k in rng.integers(2, 5, 3))
+        roots = rng.standard_normal((bodies, size, size))
+        before = roots @ roots.swapaxes(1, 2) + np.eye(size) * 10.0 ** rng.uniform(-6.0, 0.0)
+        weights = rng.standard_normal((count, bodies, size, size))
+        weights, values = weights + weights.swapaxes(2, 3), rng.standard_normal(count) * 10.0 ** rng.uniform(-3.0, 3.0)
+        weights[0], values[0] = np.eye(size), -1.0  # a trace that is negative
+        found = nearest_matrices(before, weights, values)
+        assert found is None or np.einsum("kii->", found).real > 0.0 > values[0]  # which whoever asks looks at

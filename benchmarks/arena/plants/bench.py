@@ -29,15 +29,15 @@ SHORT = 8.0
 """s of a short run."""
 
 
-def names() -> list[str]:
-    """Return every case of this plant, kind by kind."""
-    out = []
-    rng = np.random.default_rng(SEED)
+def names(other: int = 0) -> list[str]:
+    """Return every case of this plant, kind by kind; with `other`, of other machines."""
+    out, first = [], SEED + other
+    rng = np.random.default_rng(first)
     for kind in ("single", "small", "pair", "none", "outside", "short", *MACHINES, PASSIVE, CONVENTION, *CHAINS):
         if kind == "short":
-            drawn = [Case(kind, (str(n),), SEED) for n in rng.permutation(singles())]
+            drawn = [Case(kind, (str(n),), first) for n in rng.permutation(singles())]
         else:
-            drawn = [c for seed in (SEED, SEED + 1) for c in cases([kind], 1, seed)]
+            drawn = [c for seed in (first, first + 1) for c in cases([kind], 1, seed)]
             drawn = [drawn[int(k)] for k in rng.permutation(len(drawn))]
         varied = kind in ("single", "small", "pair", "none", "drive", "chain")
         for k, case in enumerate(drawn[: MANY.get(kind, 4)]):

@@ -118,9 +118,10 @@ KINDS = {
 """Joints, noise N·m and rate Hz, and what is hidden."""
 
 
-def names() -> list[str]:
-    """Return every case of this plant."""
-    return [f"{kind}/{what}/{seed}" for kind, all_ in KINDS.items() for seed in (1, 2) for what in all_.split()]
+def names(other: int = 0) -> list[str]:
+    """Return every case of this plant; with `other`, of other motions and machines."""
+    seeds = (1 + other, 2 + other)
+    return [f"{kind}/{what}/{seed}" for kind, all_ in KINDS.items() for seed in seeds for what in all_.split()]
 
 
 def draw(name: str) -> Sealed:

@@ -19,10 +19,10 @@ SECONDS = 20.0
 NOISES = (0.4, 0.1)
 
 
-def names() -> list[str]:
-    """Return every case of this plant."""
-    legs = [f"leg@{noise:g}/{case}/1" for case in mujoco_leg.CASES for noise in NOISES]
-    chains = [f"chain@{NOISES[k % 2]:g}/{case}/1" for k, case in enumerate(mujoco_chains.CASES)]
+def names(other: int = 0) -> list[str]:
+    """Return every case of this plant; with `other`, of other motions and machines."""
+    legs = [f"leg@{noise:g}/{case}/{1 + other}" for case in mujoco_leg.CASES for noise in NOISES]
+    chains = [f"chain@{NOISES[k % 2]:g}/{case}/{1 + other}" for k, case in enumerate(mujoco_chains.CASES)]
     return [*legs, *chains]
 
 

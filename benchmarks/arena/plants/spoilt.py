@@ -149,12 +149,12 @@ SPOILT: dict[str, tuple[Spoiler, str, bool]] = {
 """Kind -> what becomes of the runs, the verdict to be given (any), and whether what is hidden can still be named."""
 
 
-def names() -> list[str]:
-    """Return every case of this plant, kind by kind."""
+def names(other: int = 0) -> list[str]:
+    """Return every case of this plant, kind by kind; with `other`, of other machines."""
     out = []
     for k, kind in enumerate(SPOILT):
         others = [HIDDEN[0] if kind == "pushed" else HIDDEN[1 + (2 * k + n) % (len(HIDDEN) - 1)] for n in range(2)]
-        out += [f"{kind}/{what}/{SEED + n}" for n, what in enumerate((HIDDEN[0], HIDDEN[0], *others))]
+        out += [f"{kind}/{what}/{SEED + other + n}" for n, what in enumerate((HIDDEN[0], HIDDEN[0], *others))]
     return out
 
 
