@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.model_error import fitted_seconds, sensor_noise
 from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.rules import Rules
@@ -152,24 +152,26 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
 
 
 def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
-    """Return that a term which follows the model's own torque gains next to nothing but where its joint has just stood
-    still, or is about to.
+    """Return that a term which follows the model's own torque gains little, and nothing clear as blocks scatter, but
+    where its joint has just stood still, or is about to.
 
     An elastic or late torque shows wherever torque varies, friction at low speed there.
     """
     if after.added is None or not is_transform(after.added.candidate.term):
         return ""
-    everywhere = beyond = 0.0
+    everywhere, blocks = 0.0, []
     recordings = after.fitted.prepared.all
     for j in after.added.candidate.term.reaches:
         for one, old, new in zip(recordings, before.fitted.residuals, after.fitted.residuals, strict=True):
             gained = np.where(one.used[j], old[j] ** 2 - new[j] ** 2, 0.0)
             far = ~widen(one.stuck[:, j], int(np.ceil(BESIDE * one.rate)))[one.kept]
-            everywhere, beyond = everywhere + float(gained.sum()), beyond + float(gained[far].sum())
-    if everywhere <= 0.0 or beyond > rules.little * everywhere:
+            everywhere += float(gained.sum())
+            blocks.append(np.add.reduceat(np.where(far, gained, 0.0), one.starts(rules.block_seconds)))
+    beyond = np.concatenate(blocks)
+    if beyond.sum() > rules.little * everywhere or lag(beyond, np.zeros(1)) >= rules.clear:
         return ""
     return (
-        f"explains next to nothing further than {BESIDE:g} s from where the joint stands still: friction at low speed, "
+        f"explains nothing clear further than {BESIDE:g} s from where the joint stands still: friction at low speed, "
         "or its direction, may be what is missing, and this only takes up part of it"
     )
 
