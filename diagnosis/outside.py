@@ -52,8 +52,7 @@ def acts_at(force: Force, estimates: Sequence[Estimate]) -> tuple[float, float, 
     both, place = known.get(f"{force.name}.gain_at"), known.get(f"{force.name}.at")
     if both is not None:
         return both.value / size if size else 0.0, size, None
-    known_at = 0.0 if isinstance(force.at, tuple) else force.at or 0.0
-    return (place.value if place is not None else known_at), size, place
+    return (place.value if place is not None else force.along), size, place
 
 
 def _use(force: Force, now: FittedModel) -> ForceUse:

@@ -100,6 +100,11 @@ class Force:
         return self.frame in (LINK, FIXED)
 
     @property
+    def along(self) -> float:
+        """Where along its link it acts, m; 0 where that is not known, and of one in space, which is `placed`."""
+        return 0.0 if isinstance(self.at, tuple) else self.at or 0.0
+
+    @property
     def placed(self) -> Origin:
         """Where in space its sensor is: its place and its turn in the frame of its link's joint."""
         return Origin(self.at if isinstance(self.at, tuple) else (0.0, 0.0, 0.0), self.rpy)

@@ -124,12 +124,12 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     if not np.any(base.evaluation_rms > rules.near_noise * noise):
         return None
     found = _intermittent(base, rules)
-    return None if found is None or _one_entry_leaves_noise(base, noise) else found
+    return None if found is None or _one_entry_leaves_noise(base, noise, rules) else found
 
 
-def _one_entry_leaves_noise(base: FittedModel, noise: Float) -> bool:
+def _one_entry_leaves_noise(base: FittedModel, noise: Float, rules: Rules) -> bool:
     """Whether the best entry of the catalogue, refitted, leaves about the `noise` (J,) N·m at every joint."""
-    evidence, library = base.evidence(seed=0, draws=0), build_library(base.model, base.prepared.all)
+    evidence, library = base.evidence(seed=0, draws=0, rules=rules), build_library(base.model, base.prepared.all)
     scores, _ = weigh_all(evidence, library, base, library.candidates)
     helping = [score for score in scores if score.helps and not score.caution and not score.candidate.tangent]
     if not helping:
@@ -139,7 +139,7 @@ def _one_entry_leaves_noise(base: FittedModel, noise: Float) -> bool:
     model = base.model.with_effect(term.effect, term.joint)
     start = np.concatenate([base.shape, np.median(best.shape, axis=0)]) if model.shapes else None
     after = fitted_model(identify(model, base.prepared.train, optimisers=(), start=start), base.prepared)
-    return bool(np.all(after.evaluation_rms <= evidence.rules.near_noise * noise))
+    return bool(np.all(after.evaluation_rms <= rules.near_noise * noise))
 
 
 def _intermittent(base: FittedModel, rules: Rules) -> Intermittent | None:

@@ -69,7 +69,7 @@ def beaten(
     `evidence` are of the model without the term.
     """
     rules = evidence.rules
-    common = (CurveData(evidence, tuple(range(len(evidence.blocks)))),)
+    common = _on_all(evidence)
     contests: list[Callable[[], BetterCurve | None]] = []
     for parts, own in ((common, False), (tuple(curve_data_per_recording(now, evidence)), True)):
         mine, losses = _share(parts, term), _blocks(parts, term)
@@ -143,6 +143,15 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
         )
         out.append(Candidate(Term(effect, joint, now.model.joints, own_places=True), nodes, False))
     return out
+
+
+def explained_share(evidence: Evidence, columns: Sequence[Columns]) -> float:
+    """Return the share of the loss on held-out units of all recordings that columns (one node) explain."""
+    return _share(_on_all(evidence), columns)
+
+
+def _on_all(evidence: Evidence) -> tuple[CurveData]:
+    return (CurveData(evidence, tuple(range(len(evidence.blocks)))),)
 
 
 def _blocks(parts: Sequence[CurveData], columns: Sequence[Columns], ridge: float | None = None) -> Float:

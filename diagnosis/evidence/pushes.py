@@ -77,8 +77,7 @@ def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
         without = _share_of_column(base, list(data.names).index(place.name))
         return WantedGain(force, float(np.sign(place.value)), deviation, without)
     # Where its place is free, it is taken at its link's upper joint.
-    at = 0.0 if isinstance(force.at, tuple) else force.at or 0.0
-    parts = [force_alone(model, one, force, at) for one in base.prepared.train]
+    parts = [force_alone(model, one, force, force.along) for one in base.prepared.train]
     column = (np.concatenate(parts, axis=1) * data.use).ravel()
     residual = (data.residual(base.linear) * data.use).ravel()
     basis = data.factor.basis

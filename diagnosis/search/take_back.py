@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.proxies import BetterCurve, beaten
+from exoid.diagnosis.evidence.proxies import BetterCurve, beaten, explained_share
 from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.suggestions import suggest
@@ -58,20 +59,31 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
     could only take their place: those that add little to the same curve.
     """
     scores = {score.name: score for score in state.accepted}
+
+    @cache
+    def without(*names: str) -> _Without:
+        return _Without.of(context, state, [scores[name] for name in names])
+
     for joint in state.last.fitted.model.joint_names:
         here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
         disturbed = left is not None and left.joint == joint
         single = [n for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
-        alone = [_Without.of(context, state, [scores[n]]) for n in single]
-        together = [_Without.of(context, state, [scores[n] for n in here])] if len(here) > 1 else []
-        # Of two that imitate each other the weaker one is the first that a curve beats.
-        for one in together + ascending(alone, lambda one: one.share, 1.0):
+        for one in _in_turn(without, here, single):
             context.tick(0.9, f"comparing {' and '.join(one.names)} with a curve without physics")
             now, several = one.extension.fitted, len(one.names) > 1
             winner = beaten(now, one.evidence, joint, one.columns, one.numbers, several=several)
             if winner is not None:
                 return frozenset({*one.names, *_superseded(context, one.extension, one.evidence, winner, joint)})
     return frozenset()
+
+
+def _in_turn(without: Callable[..., _Without], here: Sequence[str], single: Sequence[str]) -> Iterator[_Without]:
+    """Yield the terms of a joint together, and then one by one: of two that imitate each other the weaker one is the
+    first that a curve beats.
+    """
+    if len(here) > 1:
+        yield without(*here)
+    yield from ascending(map(without, single), lambda one: one.share, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +109,7 @@ class _Without:
     @property
     def share(self) -> float:
         """Share of the held-out loss that the terms explain beside the others."""
-        gain = self.evidence.gain(self.evidence.plain(self.columns))
-        return float(gain.total[0] / self.evidence.fold_losses.sum())
+        return explained_share(self.evidence, self.columns)
 
 
 def _superseded(

@@ -95,16 +95,16 @@ def test_what_hardly_moves_one_of_the_joints_is_no_ground(knee, ground, monkeypa
         return np.outer(push, [30.0, knee])
 
     monkeypatch.setattr(module, "_force", lambda *asked: "it moves as a force upwards would")
-    monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda base, noise: False)
+    monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda *asked: False)
     assert (intermittent(with_torque(bent)) is not None) is ground
 
 
 def test_an_end_stop_is_no_contact(monkeypatch):
     base = with_torque(lambda one, rng: np.column_stack([400.0 * np.maximum(one.q[:, 0] - 0.4, 0.0), 0.0 * one.t]))
     assert intermittent(base) is None
-    loose = replace(RULES, unexplained_share=0.0, most=0.0, near_noise=1.0)
+    loose = replace(RULES, unexplained_share=0.0, most=0.0, artefact=1.0)
     assert intermittent(base, loose) is None  # one entry of the catalogue leaves no more than noise
-    monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda base, noise: False)
+    monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda *asked: False)
     assert intermittent(base, loose) is not None
 
 
