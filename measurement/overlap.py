@@ -2,9 +2,10 @@
 
 Motion made again has sensor noise of its own; a copy has the same noise. So the fast part of every channel, where noise
 prevails, is compared: stretches of the shorter recording are looked for in the longer one at every shift, and at the
-shift found all channels have to agree, in their fast part or to within half a step of the coarser digits. Scale and
-sign of a channel do not matter. Motion that was simulated twice without noise is the same samples twice and counts as
-shared: the second run tells nothing that the first did not.
+shift found all channels have to agree, in their fast part or to within half a step of the coarser digits. Every moment
+counts alike: at the jolts of friction motion made again agrees as well. Scale and sign of a channel do not matter. A
+copy that was resampled and given noise is told by whose the difference is (`noisy_copy.py`). Motion that was simulated
+twice without noise is the same samples twice and counts as shared: the second run tells nothing that the first did not.
 """
 
 from __future__ import annotations
@@ -20,16 +21,17 @@ from exoid.ground.errors import RecordingError
 from exoid.ground.ties import index_of_greatest
 from exoid.measurement.auditing.channels import step_of
 from exoid.measurement.finding import Finding
+from exoid.measurement.noisy_copy import BAND, BLOCK, noisy_copy
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.butterworth import band_pass_filter, both_ways
 from exoid.symbolic.motion import Float
 
 Mask = NDArray[np.bool_]
 
-BAND = (0.08, 0.25)
-"""Part of the spectrum that is compared, as shares of the slower sampling rate."""
 STRETCH, STRETCHES, LEAST = 256, 8, 128
 """Samples of a stretch, stretches looked for, samples that an overlap needs at least."""
+SAME_CLOCK = 1e-6
+"""Relative difference of two sampling rates that rounding explains."""
 SAME, RESAMPLED = 0.95, 0.85
 """Correlation of the fast parts from which on they are the same; where one recording was resampled."""
 LEAST_PIECES, LEAST_SHARE = 3, 0.05
@@ -105,8 +107,16 @@ def _shared_rows(first: Recording, second: Recording, known: dict[Recording, _Ev
             known[one] = _even(one)
     a, b = known[first], known[second]
     rows = _match(a, b, SAME)[1]
-    if rows.any() or quick < 1.02 * slow:
+    if rows.any():
         return rows
+    if quick >= 1.02 * slow:
+        rows = _resampled_rows(first, second, a, b)
+    return rows if rows.any() else _noisy_rows(first, second, a.values, b.values)
+
+
+def _resampled_rows(first: Recording, second: Recording, a: _Even, b: _Even) -> Mask:
+    """Return which samples (N,) of `second` are in `first`, sampled at another rate; `a` and `b` are their samples."""
+    slow, quick = sorted((first.rate, second.rate))
     factor = round(quick / slow)
     if 2 <= factor <= MOST_THINNED and abs(quick / slow - factor) < 0.02 * factor:
         for phase in range(factor):
@@ -120,6 +130,26 @@ def _shared_rows(first: Recording, second: Recording, known: dict[Recording, _Ev
     rows = _match(_even(first, quick, slow), _even(second, quick, slow), RESAMPLED)[1]
     place = np.round((second.t - second.t[0]) * quick).astype(int)
     return np.asarray(rows[np.clip(place, 0, rows.size - 1)])
+
+
+def _noisy_rows(first: Recording, second: Recording, a: Float, b: Float) -> Mask:
+    """Return which samples (N,) of `second` are in `first` with noise added, or the other way round; `a` and `b` are
+    their values. Asked of the times, and sample by sample where the clocks may differ.
+    """
+    rows = np.zeros(len(b), bool)
+    clocks = [(first.t, second.t)]
+    if abs(first.rate / second.rate - 1.0) > SAME_CLOCK:
+        clocks.append((np.arange(len(a), dtype=float), np.arange(len(b), dtype=float)))
+    for t, other in clocks:
+        place = noisy_copy(t, a, other, b)
+        if place is not None:
+            rows[place.first : place.last] = True
+            return rows
+        place = noisy_copy(other, b, t, a)
+        if place is not None:
+            inside = (other >= t[place.first] + place.offset) & (other <= t[place.last - 1] + place.offset)
+            return np.asarray(inside)
+    return rows
 
 
 def _thinned(recording: Recording, phase: int, factor: int) -> Recording:
@@ -272,11 +302,24 @@ def _is_tone(fast: Float) -> bool:
     return bool(np.max(np.abs(lags[TONE_LAG:] / overlapping[TONE_LAG:]), initial=0.0) > TONE * lags[0])
 
 
+def likeness(a: Float, b: Float) -> float:
+    """Return how like two fast parts (N,) are, up to scale and sign: the median correlation of their BLOCKs.
+
+    Each block counts alike: where friction jolts at a reversal, motion made again agrees, and between the jolts, where
+    only noise is left, it does not.
+    """
+    count = len(a) // BLOCK
+    if not count:
+        return 0.0
+    x, y = (one[: count * BLOCK].reshape(count, BLOCK) for one in (a, b))
+    power = np.sqrt(np.sum(x**2, axis=1) * np.sum(y**2, axis=1))
+    each = np.sum(x * y, axis=1) / np.where(power > 0.0, power, 1.0)
+    return abs(float(np.median(each)))
+
+
 def _alike(short: _Even, long: _Even, x: slice, y: slice, channel: int, same: float) -> int:
     """Return 2 where a channel's fast parts are the same, 1 where the digits explain the difference, else 0."""
-    a, b = short.fast[x, channel], long.fast[y, channel]
-    power = float(np.sqrt((a @ a) * (b @ b)))
-    if power > 0.0 and abs(float(a @ b)) >= same * power:
+    if likeness(short.fast[x, channel], long.fast[y, channel]) >= same:
         return 2
     a, b = short.values[x, channel], long.values[y, channel]
     steps = step_of(a), step_of(b)

@@ -132,3 +132,44 @@ def test_a_thinned_copy_is_recognised_of_any_machine():
     one = bench(0)
     rows = slice(0, None, 2)
     assert overlap(one, Recording("half", one.t[rows], one.q[rows], one.tau[rows], joints=one.joints)).share > 0.9
+
+
+def noisier(one, times, seed=0):
+    """The recording with so many times its own noise added."""
+    rng = np.random.default_rng(seed)
+    q, tau = (x + times * size * rng.standard_normal(x.shape) for x, size in ((one.q, 3e-4), (one.tau, 0.1)))
+    return replace(one, name="noisier", q=q, tau=tau)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.0125, 0.0081], ids=["same rate", "slower", "quicker"])
+@pytest.mark.parametrize("times", [0.3, 1.0])
+def test_a_copy_that_was_resampled_and_given_noise_is_no_unseen_motion(step, times):
+    copy = noisier(at(ONE, np.arange(0.0033, ONE.t[-1], step)), times)
+    for fitted, held in ((ONE, copy), (copy, ONE)):
+        with pytest.raises(RecordingError, match="shares samples with a fitted one"):
+            held_apart([fitted], [held])
+
+
+def test_a_copy_with_noise_counts_once():
+    kept, _, (finding,) = held_apart([run(5, 5), ONE, noisier(ONE, 1.0)], [])
+    assert [one.name for one in kept] == ["run5", "run1"] and "noisier holds the same samples as run1" in finding.what
+
+
+@pytest.mark.parametrize("noise", [0.3, 1.0, 4.0])
+def test_motion_recorded_again_by_other_sensors_is_no_copy(noise):
+    assert overlap(ONE, run(2, noise=noise)) is None and overlap(run(2, noise=noise), ONE) is None
+
+
+def jig(times, seed):
+    """One waveform at `times` the speed: dry friction, and of an encoder that is as good as free of noise."""
+    rng, t = np.random.default_rng(seed), 0.01 * np.arange(COUNT)
+    q = np.round(0.1 * times * (1.0 - np.cos(np.pi * t / 3.0)), 5)
+    speed = np.gradient(q, t)
+    tau = 0.6 * np.tanh(speed / 0.002) + 0.05 * speed + 0.01 * rng.standard_normal(COUNT)
+    return Recording(f"jig{times}", t, q[:, None], tau[:, None], joints=(Joint("axis"),))
+
+
+def test_one_waveform_at_several_speeds_is_no_copy():
+    runs = [jig(times, k) for k, times in enumerate((0.25, 0.5, 1.0, 2.0, 4.0))]
+    kept, unseen, found = held_apart(runs[:-1], runs[-1:])
+    assert len(kept) == 4 and len(unseen) == 1 and not found
