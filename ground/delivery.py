@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import IO
 
 from exoid.ground.inside import is_inside, refuse_links
+from exoid.ground.ours import OTHERS, is_folder_of_ours, is_ours
 from exoid.ground.signals import handled
 
 PREFIX, SUFFIX = ".exoid-", ".part"
@@ -56,7 +57,8 @@ class Delivery:
 
     `found` is what was at a place when it was first looked at: what somebody else writes there meanwhile is not
     replaced, unless `force` says so. `results` are the folders that it fills, in which no link is followed but at the
-    places that were `named` by themselves.
+    places that were `named` by themselves, and nothing is replaced that somebody else wrote; `ours` says which of them
+    exoid had filled before.
     """
 
     read: dict[tuple[int, int], str] = field(default_factory=dict)
@@ -67,6 +69,7 @@ class Delivery:
     folders: list[Path] = field(default_factory=list)
     results: list[Path] = field(default_factory=list)
     named: set[str] = field(default_factory=set)
+    ours: dict[Path, bool] = field(default_factory=dict)
 
     def note(self, status: os.stat_result, path: str | Path) -> None:
         """Remember a file that was read: it is not written to."""
@@ -78,8 +81,21 @@ class Delivery:
             return None
         return next((folder for folder in self.results if is_inside(path, folder)), None)
 
+    def fill(self, folder: Path) -> None:
+        """Take `folder` for one that this command fills."""
+        self.results.append(folder)
+        self.ours.setdefault(folder, is_folder_of_ours(folder))
+
+    def keep_others(self, path: str | Path) -> None:
+        """Raise OSError where `path` is in a folder that is filled, and holds a file that somebody else wrote."""
+        filled, target = self.fills(path), Path(path)
+        if filled is not None and target.is_file() and not is_ours(target, self.ours.get(filled, False)):
+            raise OSError(errno.EEXIST, OTHERS.format(target.name), str(path))
+
     def add(self, path: str | Path, write: Write, inside: Path | None = None) -> Path:
         """Let `write(stream)` make the file that is to become `path`; OSError where that cannot be."""
+        if inside is None:
+            self.keep_others(path)
         inside = inside or self.fills(path)
         target = self.place(path, inside)
         if not _replaceable(target):
@@ -212,6 +228,7 @@ def deliver(path: str | Path, write: Write, *, at_once: bool = False, inside: Pa
     alone = Delivery(force=True)
     if delivery is not None:
         alone.read, alone.results, alone.named = delivery.read, delivery.results, delivery.named
+        alone.ours = delivery.ours
     try:
         alone.add(path, write, inside)
         alone.commit()

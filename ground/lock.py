@@ -1,4 +1,4 @@
-"""A folder held by one process at a time, for as long as that lives: a process that is killed holds nothing."""
+"""A folder or a file held by one process at a time, for as long as that lives: one that is killed holds nothing."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ UNKNOWN = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 
 
 class FolderHeld(OSError):
-    """Another process holds the folder."""
+    """Another process holds the folder, or the file."""
 
 
 class FolderLock:
     """The lock of `folder`, which must be there; FolderHeld where another process has it, OSError where it cannot be.
+    `name` is that of the file in it that is locked.
 
     Where the system or its file system knows no locks, everybody gets one.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, name: str = LOCK) -> None:
         self.folder, self._known = folder, False
-        path = folder / LOCK
+        path = folder / name
         refuse_links(path, folder)
         self._handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
         try:
@@ -58,6 +59,12 @@ class FolderLock:
         with contextlib.suppress(OSError):
             if handle >= 0:
                 os.close(handle)
+
+
+def file_lock(path: Path) -> FolderLock:
+    """Return the lock of a file that may not be there yet: one beside it, for writing replaces the file itself."""
+    real = Path(os.path.realpath(path))
+    return FolderLock(real.parent, f".{real.name}{LOCK}")
 
 
 def private_folder(prefix: str) -> FolderLock:

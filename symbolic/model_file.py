@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from exoid.ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
 from exoid.ground.files import write_whole
+from exoid.ground.ours import WRITTEN
 from exoid.ground.toml_reader import Table, read_toml
 from exoid.symbolic.custom_effect import read_custom_effect
 from exoid.symbolic.effect import Effect
@@ -75,7 +76,7 @@ def write_model(model: Model, path: str | Path, fit: Identified | None = None) -
     """Write `model`, with the numbers of `fit` where given; see `Model.save`."""
     import tomli_w
 
-    return write_whole(path, tomli_w.dumps(model_content(model, fit)))
+    return write_whole(path, f"# {WRITTEN}.\n{tomli_w.dumps(model_content(model, fit))}")
 
 
 def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]:

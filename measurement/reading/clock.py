@@ -12,8 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from exoid.ground.thresholds import Threshold
 from exoid.symbolic.motion import Float
 
+ROUGH = Threshold(0.05, "digits of a clock, in steps between rows, below which they are fine: jitter is more")
+ONE_DIGIT = Threshold(1.05, "digits over which rounding moves a stamp: samples were lost, or the clock is uneven")
+COARSE = Threshold(0.01, "s between ticks that many rows share, spaced as if it was even: delays are named")
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
@@ -94,6 +98,25 @@ def spread_ticks(t: Float) -> Float:
     ends = np.r_[first, t.shape[0]]
     last = t[-1] + float(np.median(np.diff(t[first])))
     return np.interp(np.arange(t.shape[0]), ends, np.r_[t[first], last])
+
+
+def even_behind(t: Float) -> Float | None:
+    """Return evenly spaced stamps (N,) of which those of `t` are what a clock of too few digits shows; None where they
+    vary by more than these digits, or by next to nothing.
+    """
+    steps = np.diff(t)
+    moving = steps[steps > 0.0]
+    if t.size < 10 or not moving.size:
+        return None
+    digit = float(moving.min())
+    usual = float(t[-1] - t[0]) / (t.size - 1)
+    whole = moving / digit
+    if digit < ROUGH * usual or np.abs(whole - np.round(whole)).max() > 0.02 or np.ptp(steps) < 0.5 * digit:
+        return None
+    rows = np.arange(t.size)
+    slope, first = np.polyfit(rows, t, 1)
+    even = first + slope * rows
+    return even if np.ptp(t - even) < ONE_DIGIT * digit else None
 
 
 def fill_stamps(t: Float, bad: Mask) -> Float:

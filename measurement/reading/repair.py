@@ -238,7 +238,11 @@ def _order_time(draft: Draft) -> Draft:
     if fresh.any():
         what = f"time repeats or goes back in {int(fresh.sum())} of {count} rows; they are masked"
         draft = draft.mended("time", what, fresh, "nothing, if the rows are few", consequence=UNUSED)
-    return _stamped(draft, clock.fill_stamps(_since_start(draft.columns["t"]), found.bad))
+    stamps = clock.fill_stamps(_since_start(draft.columns["t"]), found.bad)
+    even = None if found.bad.any() else clock.even_behind(stamps)
+    if even is None:
+        return _stamped(draft, stamps)
+    return _evenly(draft, "the clock was written with too few digits", even)
 
 
 def _ticks(draft: Draft) -> Draft:
@@ -253,15 +257,44 @@ def _ticks(draft: Draft) -> Draft:
     draft = draft.rows(keep)
     t = _since_start(draft.columns["t"])
     repeats = float(np.mean(np.diff(t) == 0))
-    if repeats > 0:
-        t = clock.spread_ticks(t)
-        what = f"{repeats:.0%} of the rows carry the time of the row before: the clock was written with too few digits"
-        what += "; these rows were spaced evenly between its ticks"
-        draft = draft.noted(
-            "time", "warning", what, value=repeats, limit=0.0, remedy="log the time with microseconds",
-            consequence="velocities and accelerations get the error of the spacing", confidence="likely",
-        )  # fmt: skip
-    return _stamped(draft, t)
+    if not repeats > 0:
+        return _stamped(draft, t)
+    what = f"{repeats:.0%} of the rows carry the time of the row before: the clock was written with too few digits"
+    found = clock.even_behind(t)
+    if found is not None:
+        return _evenly(draft, what, found)
+    spread = clock.spread_ticks(t)
+    tick = float(np.median(np.diff(np.unique(t)))) * _clock_scale(draft, spread)[1]
+    if tick > clock.COARSE:
+        raise RecordingError(
+            f"{what}: its ticks are {tick:.3g} s apart, and no evenly spaced samples agree with them",
+            where=f"{draft.file}, column t",
+            remedy="log the time with microseconds, or name another column that has them: --map t=COLUMN",
+        )
+    draft = draft.noted(
+        "time", "warning", f"{what}; these rows were spaced evenly between its ticks", value=repeats, limit=0.0,
+        remedy="log the time with microseconds",
+        consequence="velocities and accelerations get the error of the spacing", confidence="likely",
+    )  # fmt: skip
+    return _stamped(draft, spread)
+
+
+def _evenly(draft: Draft, what: str, even: Float) -> Draft:
+    """Return the draft with its samples evenly spaced, which the stamps agree with."""
+    step = float(even[-1] - even[0]) / (even.size - 1) * _clock_scale(draft, even)[1]
+    what += f"; all of them agree with samples spaced evenly at {1.0 / step:.4g} Hz, and so they are taken"
+    consequence = "if the samples were not evenly spaced, velocities and accelerations are wrong"
+    said: dict[str, Any] = {"remedy": "log the time with microseconds", "consequence": consequence}
+    return _stamped(draft.noted("time", "warning", what, value=step, confidence="likely", **said), even)
+
+
+def _clock_scale(draft: Draft, t: Float) -> tuple[str, float]:
+    """Return the unit of the clock that reads `t` (N,), and how many s it is."""
+    if "t" in draft.told:
+        return "s", 1.0
+    names = [f"q{k + 1}" for k in range(len(draft.joints))]
+    known = np.logical_and.reduce([draft.good(name) for name in names])
+    return clock.clock_unit(t[known], np.column_stack([draft.columns[name] for name in names])[known])
 
 
 def _since_start(t: Float) -> Float:
@@ -288,9 +321,7 @@ def _clock_unit(draft: Draft) -> Draft:
     if "t" in draft.told or draft.valid.sum() < 10:
         return draft
     t = draft.columns["t"]
-    q = np.column_stack([draft.columns[f"q{k + 1}"] for k in range(len(draft.joints))])
-    known = np.logical_and.reduce([draft.good(f"q{k + 1}") for k in range(len(draft.joints))])
-    unit, scale = clock.clock_unit(t[known], q[known])
+    unit, scale = _clock_scale(draft, t)
     step = float(np.median(np.diff(t)))
     if unit == "index":
         what = "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?"

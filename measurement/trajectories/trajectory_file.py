@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from exoid.ground.files import write_whole
+from exoid.ground.ours import WRITTEN
 from exoid.ground.toml_reader import read_toml
 from exoid.measurement.trajectories.trajectory import Fourier, TrajectoryError
 from exoid.symbolic.quantity import JOINTS
@@ -45,7 +46,7 @@ def write_trajectory(trajectory: Fourier, path: str | Path, joints: Sequence[str
     """Write the coefficients of a motion as TOML, whole or not at all; return the path."""
     import tomli_w
 
-    head = "# period in s; offset and coefficients in rad, harmonics 1, 2, ...\n"
+    head = f"# {WRITTEN}: period in s; offset and coefficients in rad, harmonics 1, 2, ...\n"
     return write_whole(path, head + tomli_w.dumps(trajectory_content(trajectory, joints)))
 
 

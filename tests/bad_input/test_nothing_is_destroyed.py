@@ -316,3 +316,60 @@ def test_json_is_still_written_where_it_may(tmp_path):
         assert main(["effects", "--json", str(path), "--quiet"]) == 0
         assert json.loads(path.read_text())["schema"] == "exoid.effects/1"
     assert Delivery().place(path) == path
+
+
+def others_in(folder: Path, *names: str) -> dict[Path, str]:
+    """Files of somebody else's, called as exoid calls its own."""
+    folder.mkdir(parents=True, exist_ok=True)
+    found = {folder / name: f"my own {name}\n" if not name.endswith(".toml") else "mass = 3.1\n" for name in names}
+    for path, text in found.items():
+        path.write_text(text)
+    return found
+
+
+@pytest.mark.parametrize("name, words", [
+    ("effects.json", ("effects", "stribeck")), ("stribeck.txt", ("effects", "stribeck")),
+    ("result.json", ("compare", "run.csv")), ("report.html", ("compare", "run.csv")),
+    ("leg.h", ("generate",)), ("equations_latex.tex", ("generate", "--print", "--as", "latex")),
+    ("exoid.bash", ("completion", "bash")), ("model.toml", ("add", "stribeck:hip", "run.csv")),
+    ("table.csv", ("campaign", "plan.toml")), ("parameters.csv", ("campaign", "plan.toml")),
+])  # fmt: skip
+def test_what_exoid_did_not_write_is_not_replaced(name, words, run, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plan.toml").write_text('verb = "compare"\nfiles = "run.csv"\n')
+    files = others_in(tmp_path / "mine", name)
+    assert main([*words, "--out", "mine", "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert "not written by exoid" in said and name in said
+    assert {path: path.read_text() for path in (tmp_path / "mine").iterdir()} == files
+
+
+def test_what_exoid_wrote_is_replaced_the_next_time(tmp_path, capsys):
+    for words in (
+        ["effects", "stribeck"], ["generate", "--print", "--as", "latex"], ["completion", "zsh"], ["generate"],
+    ):  # fmt: skip
+        for _ in range(2):
+            assert main([*words, "--out", str(tmp_path / words[0]), "--quiet"]) == 0, capsys.readouterr().err
+
+
+def test_a_model_that_nobody_named_is_written_anew_only_if_exoid_wrote_it(tmp_path):
+    from exoid.symbolic import Model
+    from exoid.workbench.command_line.inputs import check_new_model
+
+    target = tmp_path / "leg_stribeck.toml"
+    Model().save(target)
+    check_new_model(str(target), None, named=False)
+    target.write_text('name = "by hand"\n')
+    check_new_model(str(target), None)
+    with pytest.raises(OutputError, match="not written by exoid"):
+        check_new_model(str(target), None, named=False)
+
+
+def test_a_session_is_known_by_what_exoid_wrote_into_it(run, tmp_path, capsys):
+    pytest.importorskip("starlette")
+    for names in (("session.json", "model.toml"), ("report.html",), ("model.toml",)):
+        files = others_in(tmp_path / "-".join(names), *names)
+        assert main(["open", str(run), "--out", str(tmp_path / "-".join(names)), "--no-browser", "--quiet"]) == 2
+        said = capsys.readouterr().err
+        assert "there is something else" in said or "not written by exoid" in said
+        assert {path: path.read_text() for path in (tmp_path / "-".join(names)).iterdir()} == files

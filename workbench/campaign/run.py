@@ -20,6 +20,7 @@ from exoid.ground.files import write_whole
 from exoid.ground.frames import pandas
 from exoid.ground.inside import refuse_links
 from exoid.ground.lock import FolderHeld, FolderLock
+from exoid.ground.ours import OTHERS, is_folder_of_ours
 from exoid.ground.plain import AsJson
 from exoid.ground.progress import Progress, silent
 from exoid.workbench.campaign.copies import describe_copies
@@ -86,6 +87,16 @@ class Campaign(AsJson):
         }  # fmt: skip
 
 
+def _refuse_others(folder: Path) -> None:
+    """Refuse a folder in which the campaign would write over, or remove, what exoid did not write."""
+    if is_folder_of_ours(folder) or is_folder_of_ours(folder / "jobs"):
+        return
+    others = [name for name in OWN if (folder / name).is_file() and not (folder / name).is_symlink()]
+    if others:
+        what, remedy = OTHERS.format(others[0]), "choose another folder, or remove that file"
+        raise CampaignError(what, where=str(folder), remedy=remedy)
+
+
 def run_campaign(
     plan: Plan, folder: str | Path, engine: Engine | Executor, progress: Progress | None = None
 ) -> Campaign:
@@ -101,6 +112,7 @@ def run_campaign(
     began, report = time.perf_counter(), progress or silent
     folder, engine = Path(folder), engine_of(engine)
     here = dict(versions())
+    _refuse_others(folder)
     with _alone(folder):
         store = JobStore(folder, here)
         report(0.0, "looking at what is there already")

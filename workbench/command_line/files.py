@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -16,9 +17,12 @@ from exoid.ground.delivery import Delivery, current
 from exoid.ground.errors import ExoidError, refused
 from exoid.ground.inputs import read_input
 from exoid.ground.inside import refuse_links
+from exoid.ground.ours import OTHERS, says_so
 from exoid.ground.plain import plain
 from exoid.workbench.terminal.encoding import spells
 
+RESULTS = ("result.json", "report.html")
+"""What a command with --out writes there at its end; what else it writes is looked at when it is written."""
 LARGEST_JSON = 100_000_000
 """Bytes of a result that is read back; those of exoid have at most a few million."""
 
@@ -65,7 +69,7 @@ def make_folder(path: str | Path) -> Path:
     with _writing(path):
         if inside := delivery.fills(folder):
             refuse_links(folder, inside)
-        delivery.results.append(folder)
+        delivery.fill(folder)
         delivery.make_folder(folder)
         with tempfile.TemporaryFile(dir=folder):
             return folder
@@ -73,9 +77,11 @@ def make_folder(path: str | Path) -> Path:
 
 def check_folder(path: str | Path) -> None:
     """Refuse a folder that could not be made or written to, without making it; raises OutputError."""
-    place = Path(path).absolute()
-    (current() or Delivery()).results.append(place)
+    place, delivery = Path(path).absolute(), current() or Delivery()
+    delivery.fill(place)
     with _writing(path):
+        for name in RESULTS:
+            delivery.keep_others(place / name)
         while not place.exists() and place != place.parent:
             place = place.parent
         with tempfile.TemporaryFile(dir=place):
@@ -108,6 +114,16 @@ def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None
         if place.is_file() or not place.exists():
             with tempfile.TemporaryFile(dir=place.parent):
                 return
+
+
+def check_result(path: str | Path) -> None:
+    """Refuse a file of --out, or one that nobody named, where somebody else's file is; raises OutputError."""
+    place = Path(path)
+    with _writing(path):
+        delivery = current() or Delivery()
+        if place.exists() and not says_so(place):
+            raise OSError(errno.EEXIST, OTHERS.format(place.name), str(path))
+        delivery.place(place)
 
 
 def check_json(path: str) -> None:

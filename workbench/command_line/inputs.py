@@ -269,15 +269,20 @@ def split_joint(text: str, joints: Sequence[str] = JOINTS) -> tuple[str, str | N
     return effect, joint or None
 
 
-def check_new_model(target: str, source: str | None) -> None:
-    """Refuse a model file that would overwrite the one it comes from or what is no model, or cannot be written."""
-    from exoid.workbench.command_line.files import OutputError, check_target
+def check_new_model(target: str, source: str | None, named: bool = True) -> None:
+    """Refuse a model file that would overwrite the one it comes from or what is no model, or cannot be written; and
+    where the user has not `named` the file, one that exoid did not write.
+    """
+    from exoid.workbench.command_line.files import OutputError, check_result, check_target
 
     if target == "-":
         raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")
     if source is not None and os.path.realpath(target) == os.path.realpath(source):
         what = "this would overwrite the model it was made from"
         raise OutputError(what, where=target, remedy="choose another file name")
+    if not named:
+        check_result(target)
+        return
     check_target(target, _is_model)
 
 

@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     target = args.write or (str(Path(args.out) / "model.toml") if args.out else beside(args.model, args.effect))
     if args.out:
         make_folder(args.out)  # the model goes there
-    check_new_model(target, args.model)
+    check_new_model(target, args.model, named=args.write is not None)
     given = load(args)
     with progress(f"adding {args.effect}", quiet=args.quiet):
         from exoid.diagnosis.extend import add

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from exoid.ground.ours import WRITTEN
 from exoid.workbench.command_line.files import default_folder, make_folder, write_bytes, write_json, write_text
 from exoid.workbench.command_line.options import add_common, exclusive
 from exoid.workbench.command_line.parser import UsageError
@@ -26,6 +27,9 @@ exoid generate leg.toml --print --as latex --out equations"""
 DEFAULT_FOLDER = "generated"
 FORMATS = {"text": "txt", "latex": "tex", "sympy": "py", "casadi": "py"}
 """How equations can be printed -> ending of their file; `exoid.symbolic.writing_equations` writes them."""
+
+COMMENTS = {"text": "", "latex": "% ", "sympy": "# ", "casadi": "# "}
+"""What a comment begins with in them."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -108,7 +112,8 @@ def _print(args: argparse.Namespace) -> int:
     if not screen.silent:
         sys.stdout.write(text)
     if args.out:
-        path = write_text(make_folder(args.out) / f"equations_{form}.{FORMATS[form]}", text)
+        whole = f"{COMMENTS[form]}{WRITTEN}.\n{text}"
+        path = write_text(make_folder(args.out) / f"equations_{form}.{FORMATS[form]}", whole)
         screen.say(f"written: {path}")
     if args.json:
         write_json(args.json, {

@@ -114,6 +114,7 @@ def run(args: argparse.Namespace) -> int:
     finally:
         if kept is not None:
             kept.keep(watcher, last=True)
+            kept.release()
         report.close()
     if args.out:
         report.write()

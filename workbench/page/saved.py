@@ -14,6 +14,7 @@ from exoid.ground.errors import ExoidError, RecordingError, refused
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.lock import LOCK, FolderHeld
+from exoid.ground.ours import says_so
 from exoid.ground.plain import plain
 from exoid.workbench.page.folder import LARGEST, SESSION, SessionFolder, inside
 from exoid.workbench.page.given import FIT, VERIFY
@@ -90,7 +91,7 @@ def free_for_session(folder: Path) -> Path:
     """Return a folder in which a session may be kept; RecordingError where something else is there."""
     target = folder.expanduser()
     if target.exists() and not (
-        target.is_dir() and (is_session(target) or not set(os.listdir(target)) - {REPORT, LOCK})
+        target.is_dir() and (is_session(target) or _is_empty(target))
     ):
         what = "there is something else"
         raise RecordingError(what, where=str(target), remedy="choose a new folder, or one that exoid saved before")
@@ -219,6 +220,13 @@ def _held(workspace: Workspace, folder: Path) -> SessionFolder:
     return place if place is not None and place.folder == Path(os.path.realpath(folder)) else SessionFolder(folder)
 
 
+def _is_empty(folder: Path) -> bool:
+    """Whether a folder holds nothing but, perhaps, a report of exoid's."""
+    others = set(os.listdir(folder)) - {LOCK}
+    return not others or (others == {REPORT} and says_so(folder / REPORT))
+
+
 def is_session(path: str | Path) -> bool:
-    """Whether a folder holds a saved session."""
-    return (Path(path) / SESSION).is_file()
+    """Whether a folder holds a saved session: a session.json that exoid wrote, or what is left of one."""
+    place = Path(path) / SESSION
+    return place.is_file() and (says_so(place) or (Path(path) / LOCK).is_file())

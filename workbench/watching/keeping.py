@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from exoid.ground.errors import refused
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
+from exoid.ground.lock import FolderHeld, file_lock
 from exoid.workbench.command_line.files import OutputError
 
 if TYPE_CHECKING:
@@ -20,10 +21,16 @@ OFTEN = 60.0
 
 
 class Kept:
-    """The state of a watch in a file."""
+    """The state of a watch in a file, which no other watch writes meanwhile; OutputError where one does."""
 
     def __init__(self, path: str) -> None:
         self.path = Path(path)
+        remedy = "give each watch a --state of its own, or stop the other one"
+        with (
+            refused(OutputError, "cannot be kept: {}", path, "check that you may write into its folder"),
+            refused(OutputError, "another watch keeps what it learns in this file", path, remedy, (FolderHeld,)),
+        ):
+            self._lock = file_lock(self.path)
         self.written = time.monotonic()
         self.found = -1
 
@@ -36,6 +43,10 @@ class Kept:
         with refused(StateError, "cannot be read: {}", self.path, "check the path"):
             content = read_input(self.path, LARGEST, remember=False)
         return WatchState.from_bytes(content, str(self.path))
+
+    def release(self) -> None:
+        """Let another watch have the file."""
+        self._lock.release()
 
     def keep(self, watcher: Watcher, *, last: bool = False) -> None:
         """Write what is known where something has changed since, or a minute has passed; OutputError."""
