@@ -153,6 +153,8 @@ def _answer(
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
     accepted = _agreed(accepted_of(extensions), agreements, done.context.prepared)
+    if prepared.angles_were_filtered:
+        accepted = tuple(replace(one, doubted=True) for one in accepted)
     soft = done.soft or soft_drive(
         state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules
     )

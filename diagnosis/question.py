@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exoid.diagnosis.evidence.channels import doubts_before
+from exoid.diagnosis.evidence.channels import doubts_before, doubts_of_recordings
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
 from exoid.diagnosis.evidence.library import build_library
@@ -124,6 +124,8 @@ def _before_any_search(base: FittedModel, rules: Rules, best: Callable[[], float
     """
     if base.prepared.misread:
         return check_channels(base.prepared.misread)
+    if (wrong := doubts_of_recordings(base, rules)) is not None:
+        return doubted(wrong)
     outside = intermittent(base, rules)
     if outside is not None:
         return pushed(outside, base.model.joints)

@@ -89,6 +89,8 @@ class Accepted(AsJson):
     agreement: Agreement = field(default_factory=Agreement)
     against: tuple[str, ...] = ()
     outside: tuple[str, ...] = ()
+    doubted: bool = False
+    """Whether something speaks against it that is no other effect: angles that were filtered."""
 
     @property
     def fall(self) -> float:
@@ -104,7 +106,7 @@ class Accepted(AsJson):
     @property
     def sureness(self) -> str:
         """How sure it is that it is missing, in one word (`exoid.diagnosis.sureness`)."""
-        return sureness(self.p_value, self.agreement, doubted=bool(self.look_alikes))
+        return sureness(self.p_value, self.agreement, doubted=bool(self.look_alikes) or self.doubted)
 
     @property
     def stability(self) -> str:

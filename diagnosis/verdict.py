@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.evidence.intermittent import ADVICE, Intermittent
-from exoid.diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
+from exoid.diagnosis.evidence.model_error import ModelError, compared, model_error, sensor_noise
 from exoid.diagnosis.evidence.own_sway import OwnSway
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
@@ -126,7 +126,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
     if error is not None:
         return Conclusion(
             "unexplained",
-            f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
+            f"the error {where} is {error.beside}, and no catalogue entry or smooth curve lowers it",
             f"The model is not as good as the sensors: {error.sentence}.{end.oscillation}{end.nearest}",
             end.stopped,
             error.advice if swing is None else swing.advice,
@@ -150,7 +150,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
     return Conclusion(
         "adequate",
         f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
-        f"{_times(end.last):.2g} times the noise floor",
+        f"{compared(end.last.prepared, _times(end.last), 'noise floor')}",
         "The model explains these recordings; nothing is missing that can be distinguished from noise."
         + (f" They could not show much: {short}.{end.nearest}" if short else ""),
         end.stopped,
@@ -217,8 +217,9 @@ def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Con
     return Conclusion(
         "unexplained",
         f"{name} lowers the error {where} more than its placebos do, but {early.reason}",
-        f"Something is missing that the catalogue does not describe; the error is {_times(first):.2g} times the noise "
-        f"floor. Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
+        f"Something is missing that the catalogue does not describe; the error is "
+        f"{compared(first.prepared, _times(first), 'noise floor')}. "
+        f"Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
         stopped,
         "a link that swings behind a compliant drive looks so: measure its angle behind the drive, or clamp the "
         "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
@@ -308,7 +309,7 @@ def _nearest(possible: Sequence[Possible], rules: Rules, find: Callable[[str], E
 
 def _size(error: ModelError | None) -> str:
     """Return how much is left beside the structure that was found, in words."""
-    return "" if error is None else f"; the error of the {error.joint} is {error.times:.2g} times the noise"
+    return "" if error is None else f"; the error of the {error.joint} is {error.beside}"
 
 
 def _times(last: FittedModel) -> float:

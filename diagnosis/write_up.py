@@ -29,6 +29,7 @@ from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.optimisation.preparation.smoothed import ANGLES, FILTERED, TORQUES
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.term import Term
@@ -115,7 +116,7 @@ def write_up(
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
-        sentence=f"{conclusion.sentence} {said}".rstrip(),
+        sentence=" ".join(filter(None, (conclusion.sentence, said, "" if silent else _reserve(prepared)))),
         accepted=accepted,
         suspects=tuple(best_first(suspects, lambda one: one.sureness, lambda one: one.explained_share)),
         steps=steps,
@@ -144,6 +145,12 @@ def write_up(
         forces=force_uses(last.fitted),
         power=power,
     )
+
+
+def _reserve(prepared: Prepared) -> str:
+    """Return with which reserve an answer is given where angles or torques were filtered before they were stored."""
+    told = [one for one in prepared.findings if one.check in (FILTERED, ANGLES, TORQUES)]
+    return "".join(f"With one reserve: {one.what}; if they were filtered, {one.consequence}." for one in told[:1])
 
 
 def _power(done: Searched) -> tuple[Power, ...]:

@@ -25,8 +25,10 @@ from exoid.ground.errors import NotEnoughDataError
 from exoid.measurement.finding import Finding
 from exoid.measurement.stance import UPWARDS
 from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.clocks import CLOCKS
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.optimisation.preparation.smoothed import FILTERED
 from exoid.symbolic.joints import machine_word
 from exoid.symbolic.motion import Float
 
@@ -68,6 +70,36 @@ def _untared(base: FittedModel) -> Doubt | None:
     return Doubt(f"{UPWARDS} is not zero while the foot is in the air", f"A force was not tared: {where}.", remedies)
 
 
+def doubts_of_recordings(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
+    """Return what is wrong with the recordings whatever the machine is: asked before anything outside is looked for."""
+    return _two_clocks(base) or _filtered_angles(base, rules)
+
+
+def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether angles were filtered, the torques not, and the model leaves what that may have taken away."""
+    prepared = base.prepared
+    if not prepared.angles_were_filtered or np.all(base.evaluation_rms <= rules.near_noise * prepared.noise_floor):
+        return None
+    (one,) = [finding for finding in prepared.findings if finding.check == FILTERED]
+    return Doubt(
+        "the angles hold less noise than any sensor has, the torques do not, and the model leaves more than noise",
+        f"{one.what[0].upper()}{one.what[1:]}. The torques were not: what a filter took out of the angles is missing "
+        "in the model's torque, and looks like a delay, a soft drive or friction.",
+        one.remedy,
+    )
+
+
+def _two_clocks(base: FittedModel) -> Doubt | None:
+    """Return whether the torques' clock runs at another rate than the angles'."""
+    found = [one for one in base.prepared.findings if one.check == CLOCKS]
+    if not found:
+        return None
+    where = "; ".join(f"{one.where}: {one.what}" for one in found)
+    remedies = "; ".join(dict.fromkeys(one.remedy for one in found))
+    rule = "what the rigid machine leaves of the torques is their own derivative, more and more so"
+    return Doubt(rule, f"Two clocks: {where}.", remedies)
+
+
 def _late(base: FittedModel, rules: Rules, explained: Callable[[], float]) -> Doubt | None:
     late = late_torque(base, rules)
     return None if late is not None and 1.0 - explained() < late.share else late
@@ -86,14 +118,15 @@ def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding
     """Return as a warning what makes a model that was only fitted, not searched, no answer; () where nothing does."""
     if fitted.prepared.misread:
         return ()
-    outside = intermittent(fitted, rules)
+    wrong = doubts_of_recordings(fitted, rules)
+    outside = None if wrong is not None else intermittent(fitted, rules)
     if outside is not None:
         return (
             Finding(
                 OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), "all recordings", remedy=ADVICE
             ),
         )
-    doubt = doubts_before(fitted, rules) or _another_machine(fitted, rules)
+    doubt = wrong or doubts_before(fitted, rules) or _another_machine(fitted, rules)
     share = left_share(fitted)
     if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
         parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, fitted.model.joint_names))

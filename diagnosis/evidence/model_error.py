@@ -25,6 +25,8 @@ class ModelError(AsJson):
     sentence: str
     advice: str
     repeating: float | None = None
+    beside: str = ""
+    """How large it is beside the noise, in words."""
 
     def _json(self) -> dict[str, Any]:
         return {"joint": self.joint, "times_noise": self.times, "repeating": self.repeating, "sentence": self.sentence}
@@ -72,7 +74,7 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     unit = last.model.joints[j].unit("tau")
     text = (
         f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion, "
-        f"{times[j]:.2g} times the noise of {floor[j]:.2g} {unit}. It is not noise, "
+        f"{compared(last.prepared, times[j], f'noise of {floor[j]:.2g} {unit}')}. It is not noise, "
         "and no function of angle, velocity, acceleration, load or time that was tried"
     )
     if again is None:
@@ -99,18 +101,25 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
             "fit a recording of the motion that is held out now and hold out another: an end stop or a load that no "
             "fitted recording meets cannot be named"
         )
-    return ModelError(joint, float(times[j]), text, advice, None if again is None else float(again.share[j]))
+    beside = compared(last.prepared, times[j])
+    return ModelError(joint, float(times[j]), text, advice, None if again is None else float(again.share[j]), beside)
+
+
+def compared(prepared: Prepared, times: float, noise: str = "noise") -> str:
+    """Return how large an error is beside the `noise`; of torques that were filtered nobody knows it."""
+    return f"{times:.2g} times the {noise}" if prepared.noise_is_known else "with no sensor's noise to compare it with"
 
 
 def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelError:
     """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
     joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
+    beside = compared(last.prepared, times, "noise of the sensors")
     text = (
-        f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}, {times:.2g} times what sensor noise explains, "
+        f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}, {beside}, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion. "
         "Something acts that is not in the recordings: a person, the ground, or what changes from time to time"
     )
-    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]))
+    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), compared(last.prepared, times))
 
 
 _CHANGES = (

@@ -28,6 +28,7 @@ from exoid.measurement.recording import Recording, base_columns
 from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
 from exoid.measurement.signals.derivatives import check_method
 from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.optimisation.preparation.clocks import clock_findings
 from exoid.optimisation.preparation.cutoff import (
     COMMON_BAND,
     CutoffChoice,
@@ -38,6 +39,7 @@ from exoid.optimisation.preparation.cutoff import (
 )
 from exoid.optimisation.preparation.filtering import PreparedRecording, prepare_one
 from exoid.optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise
+from exoid.optimisation.preparation.smoothed import FILTERED, TORQUES, smoothed_findings
 from exoid.symbolic.joints import LEG, Joint, names
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -78,6 +80,16 @@ class Prepared:
     def all(self) -> tuple[PreparedRecording, ...]:
         """Training recordings, then verification recordings."""
         return self.train + self.verify
+
+    @property
+    def noise_is_known(self) -> bool:
+        """Whether what noise the torques hold is that of their sensors: of filtered ones it is no measure."""
+        return not any(one.check == TORQUES for one in self.findings)
+
+    @property
+    def angles_were_filtered(self) -> bool:
+        """Whether the angles hold no sensor's noise, and the torques do: no simulation that is exact."""
+        return any(one.check == FILTERED for one in self.findings)
 
     def __repr__(self) -> str:
         fitted, unseen = (", ".join(one.name for one in group) or "none" for group in (self.train, self.verify))
@@ -147,7 +159,11 @@ def prepare(
         ),
         filter_error=wrong,
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
-        findings=(*known, *swayed, *unused, *doubled, *(f for f in misread if f not in known), *outliers),
+        findings=(
+            *known, *swayed, *unused, *doubled, *(f for f in misread if f not in known), *outliers,
+            *(() if misread else clock_findings(base, done)),
+            *smoothed_findings(called, even, model.joints),
+        ),
         derivative=derivative,
         misread=misread,
         joints=model.joints,

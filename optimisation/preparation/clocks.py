@@ -1,0 +1,178 @@
+"""Do the clocks of angles and torques run at one rate? Judged by physics, without knowing the machine's numbers.
+
+A torque that was logged by another clock comes later and later, or earlier and earlier: what the rigid machine leaves
+of it then holds the torque's own derivative, times the time. No effect of a machine does that, also one that changes
+as it warms up: drifting friction of both kinds and a drifting zero are taken out beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.finding import Finding
+from exoid.measurement.signals.conditioning import low_pass
+from exoid.optimisation.linear.loss import Bool
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+CLOCKS = "clock_rate"
+"""What the finding on them is called."""
+GROUPS = 10
+"""Parts of a recording that are left out one by one, which tells how far its clocks are known (jackknife)."""
+CHANCE = Threshold(1e-5, "probability of such a difference where there is none: good recordings would be refused")
+APART = Threshold(0.004, "s over a recording by which clocks of different rates come apart: no answer depends on less")
+SHARE = Threshold(0.02, "share of what a rigid machine leaves that it explains: what is left would be of another kind")
+LEAST_SAMPLES = 200
+STEPS, MOST = 6, 0.05
+"""Times that a torque is read anew at the rate found, and the largest rate that is looked for."""
+BAND = 3.0
+"""Hz up to which the torque's own derivative is taken: noise in it would make the difference look smaller."""
+
+
+@dataclass(frozen=True)
+class ClockRate:
+    """How much faster the torques' clock runs in one recording (`rate`, 0.002 is 0.2 %) with its standard `error`; the
+    `share` that it explains of what is left, and how long the recording is.
+    """
+
+    name: str
+    rate: float
+    error: float
+    share: float
+    seconds: float
+
+
+def clock_findings(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
+    """Return a warning where the torques' clock runs at another rate than the angles': in all recordings together, or
+    else in single ones.
+    """
+    # Friction that reverses late is a spike beside the model, and tells the clock; other spikes only add noise.
+    return _findings(base, prepared) or _findings(base, [_with_spikes(one) for one in prepared])
+
+
+def _with_spikes(one: PreparedRecording) -> PreparedRecording:
+    return one if one.read is None else one.without(np.zeros(one.hidden.shape, dtype=bool))
+
+
+def _findings(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
+    found = [rate for one in prepared if (rate := clock_rate(base, one)) is not None]
+    if not found:
+        return ()
+    weight = np.array([1.0 / one.error**2 for one in found])
+    rates = np.array([one.rate for one in found])
+    mean = float(weight @ rates / weight.sum())
+    scatter = float(weight @ (rates - mean) ** 2 / max(1, len(found) - 1))
+    error = float(np.sqrt(max(1.0, scatter) / weight.sum()))
+    together = ClockRate(
+        "all recordings", mean, error, float(np.median([one.share for one in found])),
+        float(np.median([one.seconds for one in found])),
+    )  # fmt: skip
+    if _is_apart(together, len(found)):
+        return (_finding(together),)
+    return tuple(_finding(one) for one in found if len(found) > 1 and _is_apart(one, 1))
+
+
+def _is_apart(one: ClockRate, recordings: int) -> bool:
+    if one.share < SHARE or abs(one.rate) * one.seconds < APART:
+        return False
+    from scipy.special import stdtr
+
+    return bool(2.0 * stdtr((GROUPS - 1) * recordings, -abs(one.rate) / one.error) < CHANCE)
+
+
+def _finding(one: ClockRate) -> Finding:
+    apart, way = 1e3 * abs(one.rate) * one.seconds, "faster" if one.rate > 0.0 else "slower"
+    what = f"the clock of the torques runs about {100 * abs(one.rate):.1g} % {way} "
+    what += f"than that of the angles, {apart:.2g} ms in {one.seconds:.3g} s"
+    remedy = "log angles and torques by one clock, or correct the times of one of them in a copy by what both clocks "
+    remedy += "show at two events far apart, such as knocks against the machine"
+    consequence = "a torque that comes later and later, or earlier, looks like friction that changes"
+    return Finding(CLOCKS, "warning", what, one.name, one.rate, None, remedy, consequence, "likely")
+
+
+def clock_rate(base: Model, one: PreparedRecording) -> ClockRate | None:
+    """Return how the clocks of one recording run; None where it is too short, or nothing is driven.
+
+    Where the clocks come far apart a derivative is not enough: the torque is read at the rate found so far, and again.
+    """
+    motion, use = one.motion, one.used & one.driven[:, None]
+    if use.sum() < LEAST_SAMPLES:
+        return None
+    own, middle = _own_columns(base, one), 0.5 * float(motion.t[0] + motion.t[-1])
+    rate, first = 0.0, None
+    for _ in range(STEPS):
+        at = middle + (motion.t - middle) * (1.0 - rate)
+        torque = np.column_stack([np.interp(at, motion.t, column) for column in one.wide_tau.T])
+        step = _step(one, own, torque, use)
+        if step is None:
+            return None
+        rate += step.rate
+        first = first or step
+        if abs(rate) > MOST:
+            return None
+        if abs(step.rate) < step.error:
+            break
+    return None if first is None else replace(first, rate=rate)
+
+
+def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> ClockRate | None:
+    """Return by how much faster the clock of a `torque` (N, J) runs, to first order."""
+    parts = np.concatenate([own, _late_columns(one, torque)], axis=2)
+    wanted = one.smooth(torque)
+    size = np.array([y[u].std() if u.any() else 0.0 for y, u in zip(wanted, use, strict=True)])
+    group = np.minimum(np.arange(use.shape[1]) * GROUPS // use.shape[1], GROUPS - 1)
+    count = parts.shape[2]
+    grams, products, square = np.zeros((GROUPS, count, count)), np.zeros((GROUPS, count)), 0.0
+    for j in np.flatnonzero(size > 0.0):
+        for k in range(GROUPS):
+            rows = use[j] & (group == k)
+            x, y = parts[j, rows] / size[j], wanted[j, rows] / size[j]
+            grams[k] += x.T @ x
+            products[k] += x.T @ y
+            square += float(y @ y)
+    scale = np.sqrt(np.diagonal(grams.sum(axis=0)))
+    known = scale > 0.0
+    if not known[-1]:
+        return None
+    grams = grams[:, known][:, :, known] / np.outer(scale[known], scale[known])
+    products = products[:, known] / scale[known]
+
+    def drift(gram: Float, product: Float) -> float:
+        return float(np.linalg.lstsq(gram, product, rcond=1e-10)[0][-1] / scale[-1])
+
+    gram, product = grams.sum(axis=0), products.sum(axis=0)
+    each = np.array([drift(gram - a, product - b) for a, b in zip(grams, products, strict=True)])
+    error = float(np.sqrt((GROUPS - 1) / GROUPS * np.sum((each - each.mean()) ** 2)))
+    left, without = (_left(square, gram[:n, :n], product[:n]) for n in (len(product), len(product) - 1))
+    if not error > 0.0 or not without > 0.0:
+        return None
+    seconds = float(one.motion.t[-1] - one.motion.t[0])
+    return ClockRate(one.name, drift(gram, product), error, 1.0 - left / without, seconds)
+
+
+def _left(square: float, gram: Float, product: Float) -> float:
+    return max(square - float(product @ np.linalg.lstsq(gram, product, rcond=1e-10)[0]), 0.0)
+
+
+def _own_columns(base: Model, one: PreparedRecording) -> Float:
+    """Return what the rigid machine makes of a torque, and of each joint a zero and friction that drift, (J, K, P)."""
+    motion = one.motion
+    joints, samples = motion.q.shape[1], len(motion.t)
+    middle = motion.t - 0.5 * (motion.t[0] + motion.t[-1])
+    drifting = np.zeros((joints, samples, joints, 5))
+    for j in range(joints):
+        zero = (np.ones(samples), middle, middle**2)
+        drifting[j, :, j] = np.column_stack([*zero, middle * motion.dq[:, j], middle * motion.sign[:, j]])
+    return one.smooth_columns(np.concatenate([base.columns(motion), drifting.reshape(joints, samples, -1)], axis=2))
+
+
+def _late_columns(one: PreparedRecording, torque: Float) -> Float:
+    """Return what makes a torque early, (J, K, 2): all the time alike, and by 1 s more in every s."""
+    t = one.motion.t
+    slope = np.gradient(low_pass(torque, min(BAND, 0.4 * one.rate), one.rate), axis=0).T * one.rate
+    return one.smooth_columns(np.stack([slope, (t - 0.5 * (t[0] + t[-1])) * slope], axis=2))

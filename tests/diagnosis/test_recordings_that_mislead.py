@@ -1,0 +1,90 @@
+"""Two clocks, and angles or torques that were filtered before: said, and nothing is named on top of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exoid.diagnosis import discover
+from exoid.measurement.signals.conditioning import low_pass
+from exoid.optimisation.preparation.clocks import CLOCKS
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.optimisation.preparation.smoothed import ANGLES, FILTERED, TORQUES
+from exoid.symbolic import Model
+from tests.made_recordings import recording
+
+
+def runs(change=None, **more):
+    """Four recordings of a leg with friction; `change` makes others of them."""
+    made = [recording(k, noise=0.05, **more) for k in range(4)]
+    return made if change is None else [change(one) for one in made]
+
+
+def fast(share):
+    """What the torques are if their clock runs faster by this share."""
+
+    def change(one):
+        at = one.t[0] + (one.t - one.t[0]) * (1.0 + share)
+        return replace(one, tau=np.column_stack([np.interp(at, one.t, column) for column in one.tau.T]))
+
+    return change
+
+
+def checks(given, name):
+    made = prepare(Model(), given[:3], given[3:])
+    return [finding for finding in made.findings if finding.check == name]
+
+
+@pytest.mark.parametrize("share", [0.002, -0.003])
+def test_two_clocks_are_said_and_nothing_is_named(share):
+    given = runs(fast(share))
+    (said,) = checks(given, CLOCKS)
+    assert 0.3 < said.value / share < 1.5
+    assert ("faster" if share > 0 else "slower") in said.what
+    answer = discover(Model(), given[:3], given[3:])
+    assert answer.verdict == "check_channels" and not answer.accepted and "clock" in answer.sentence
+
+
+@pytest.mark.parametrize("change", [None, fast(1e-5)])
+def test_one_clock_is_no_finding(change):
+    assert not checks(runs(change), CLOCKS)
+
+
+def filtered(hertz):
+    """What a file holds whose angles were filtered at so many Hz."""
+    return lambda one: replace(one, q=np.round(low_pass(one.q, hertz, one.rate), 8))
+
+
+def test_filtered_angles_are_said_and_nothing_is_named():
+    given = runs(filtered(0.5))
+    (said,) = checks(given, FILTERED)
+    assert "filtered before" in said.what and not checks(runs(), FILTERED)
+    answer = discover(Model(), given[:3], given[3:])
+    assert answer.verdict == "check_channels" and not answer.accepted and "filtered before" in answer.sentence
+
+
+def test_where_the_model_explains_filtered_angles_it_is_said_with_that_reserve():
+    given = runs(filtered(1.0))
+    answer = discover(Model(), given[:3], given[3:])
+    assert answer.verdict == "adequate" and "With one reserve: the angles" in answer.sentence
+
+
+def test_what_a_simulation_computed_exactly_is_no_veto():
+    def drag(seed):
+        return -6.0 * np.column_stack([np.zeros(1200), np.tanh(40.0 * np.gradient(recording(seed).q[:, 1], 0.01) ** 3)])
+
+    given = [recording(k, noise=0.0, angle_noise=0.0) for k in range(4)]
+    answer = discover(Model(), given[:3], given[3:])
+    assert answer.verdict == "adequate" and ANGLES in {finding.check for finding in answer.audit}
+    given = [recording(k, noise=0.0, angle_noise=0.0, extra=drag(k)) for k in range(4)]
+    assert discover(Model(), given[:3], given[3:]).verdict != "check_channels"
+
+
+def test_noise_of_filtered_torques_is_no_measure():
+    def change(one):
+        return replace(one, tau=low_pass(one.tau, 4.0, one.rate) + 3.0 * np.sin(7.0 * one.t[:, None]))
+
+    given = runs(change)
+    assert checks(given, TORQUES) and not checks(runs(), TORQUES)
+    answer = discover(Model(), given[:3], given[3:])
+    assert "times the noise" not in answer.sentence + answer.rule and "filtered before" in answer.sentence
