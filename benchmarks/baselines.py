@@ -1,6 +1,6 @@
 """What a plain regression would have said: the legs of the blind campaign, judged by textbook model selection.
 
-    python benchmarks/baselines.py FOLDER                      one leg per variant, as diagnosis/trials draws them
+    python benchmarks/baselines.py FOLDER                      one leg per variant, as exoid/diagnosis/trials draws them
     python benchmarks/baselines.py FOLDER --kinds none --seeds 5
 
 Both baselines get the very columns that `discover` weighs (same recordings, same filter, same catalogue, same trial

@@ -29,7 +29,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from exoid.diagnosis.discover import answer_of  # noqa: E402 - the repository must be on the path first
+from exoid.diagnosis.discovery import answer_of  # noqa: E402 - the repository must be on the path first
 from exoid.diagnosis.grading import match  # noqa: E402
 from exoid.diagnosis.question import Question  # noqa: E402
 from exoid.diagnosis.results import Diagnosis  # noqa: E402

@@ -18,7 +18,7 @@ from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, run_bench
 from exoid.measurement.trajectories.trajectory import CENTRE, Fourier, random_trajectory
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.mechanics.payload import LINKS, Payload
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion

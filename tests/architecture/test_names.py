@@ -7,7 +7,7 @@ import re
 from collections import defaultdict
 from pathlib import PurePosixPath
 
-from tests.architecture.source import ROOT, SOURCES, faults, tree_of
+from tests.architecture.source import PACKAGE, SOURCES, faults, tree_of
 
 PLUG_INS = {
     "workbench/commands": {"add_arguments", "run"},
@@ -28,7 +28,7 @@ ENTRY = "main"
 def test_no_two_classes_or_functions_share_a_name():
     places = defaultdict(set)
     for path in SOURCES:
-        file = PurePosixPath(path.relative_to(ROOT))
+        file = PurePosixPath(path.relative_to(PACKAGE))
         ours = PLUG_INS.get(str(file.parent), set()) | {ENTRY}
         for node in tree_of(path).body:
             if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and node.name not in ours:
@@ -39,7 +39,7 @@ def test_no_two_classes_or_functions_share_a_name():
 
 def test_every_plug_in_name_is_used():
     for folder, names in PLUG_INS.items():
-        trees = [tree_of(path) for path in SOURCES if path.parent == ROOT / folder]
+        trees = [tree_of(path) for path in SOURCES if path.parent == PACKAGE / folder]
         defined = [n.name for tree in trees for n in tree.body if isinstance(n, ast.FunctionDef)]
         assert all(defined.count(name) > 1 for name in names), folder
 

@@ -14,7 +14,7 @@ from exoid.ground.import_path import HOME, environment_of_workers, workers_impor
 from exoid.measurement.reading.read import read_recording
 
 ROOT = Path(__file__).parents[2]
-DEMO = ROOT / "workbench" / "demo_data"
+DEMO = ROOT / "exoid" / "workbench" / "demo_data"
 LATE = {"numpy", "scipy", "socket", "concurrent", "h5py"}
 OTHERS = {"numpy", "scipy", "casadi", "joblib", "distributed", "submitit", "sympy", "pandas", "h5py", "python_calamine"}
 PLANTED = 'open(__file__ + ".ran", "w").close()\nraise SystemExit("planted code was run")\n'

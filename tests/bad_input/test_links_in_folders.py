@@ -22,7 +22,7 @@ from exoid.workbench.campaign.store import CampaignError, JobStore
 from exoid.workbench.command import main
 from exoid.workbench.command_line.inputs import beside
 
-DEMO = Path(__file__).parents[2] / "workbench" / "demo_data"
+DEMO = Path(__file__).parents[2] / "exoid" / "workbench" / "demo_data"
 
 
 @pytest.fixture

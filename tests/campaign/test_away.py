@@ -20,7 +20,7 @@ from exoid.workbench.campaign.run import run_campaign
 from exoid.workbench.campaign.store import AwayError, CampaignError, JobStore, task_of
 from exoid.workbench.command import main, versions
 
-DEMO = Path(__file__).parents[2] / "workbench" / "demo_data"
+DEMO = Path(__file__).parents[2] / "exoid" / "workbench" / "demo_data"
 PLAN = 'verb = "compare"\nfiles = "data/{device}/run_{run}.csv"\nverify = 1\n[options]\ncutoff = 6\n'
 
 

@@ -27,7 +27,7 @@ from exoid.workbench.command import main
 from exoid.workbench.watching.row import row_of_events
 
 ROOT = Path(__file__).parents[2]
-DEMO = ROOT / "workbench" / "demo_data"
+DEMO = ROOT / "exoid" / "workbench" / "demo_data"
 HOSTILE = "</script><script>alert(1)</script>"
 
 

@@ -1,6 +1,6 @@
 """Our own bench, as the blind trials draw its machines, with instruments of several qualities.
 
-KIND[@NOISE]/WHAT/SEED: a kind of `diagnosis/trials`, or short (8 s a run); NOISE N·m of the torque sensors
+KIND[@NOISE]/WHAT/SEED: a kind of `exoid/diagnosis/trials`, or short (8 s a run); NOISE N·m of the torque sensors
 """
 
 from __future__ import annotations
