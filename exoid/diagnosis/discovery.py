@@ -28,7 +28,6 @@ from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, D
 from exoid.diagnosis.splits import from_scratch
 from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
 from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
-from exoid.ground.engines.workers import once, with_copies
 from exoid.ground.progress import Progress, silent
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -62,7 +61,6 @@ def discover(
     return answer_of(question, recordings, verify, progress or silent)
 
 
-@with_copies()
 def answer_of(
     question: Question,
     recordings: Sequence[Recording],
@@ -77,7 +75,6 @@ def answer_of(
     Recordings that are not of what the others are of are left out, and the others are answered.
     """
     began = time.perf_counter()
-    tick, found = once(tick), found and once(found)
     base = question.fitted(recordings, verify, tick, prepared)
     odd = apart(base, question.rules) if len(base.prepared.all) > OTHERS else ()
     fitted = [one for k, one in enumerate(recordings) if k not in odd]

@@ -11,7 +11,7 @@ from exoid.diagnosis.evidence.channels import doubts_before
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
 from exoid.diagnosis.evidence.library import build_library
-from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft, seek_later
+from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
 from exoid.diagnosis.evidence.stretches import searched_stretches
 from exoid.diagnosis.readings import readings_of
 from exoid.diagnosis.results import Step
@@ -93,7 +93,6 @@ class Question:
         if answer is not None:
             return Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
         start = Extension(base) if part is prepared else context.fit(self.model)
-        seek_later(start.fitted, context.noise(start), rules)
         first = tuple(context.rank(start, 1)[1])  # wanted in any case
         soft = plainly_soft(start.fitted, context.noise(start), rules)
         if soft is not None:

@@ -77,12 +77,6 @@ def test_workers_of_a_command(words, hostile):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.slow
-def test_a_search_on_several_processes(hostile):
-    done = exoid(("discover", "run_1.csv", "run_2.csv", "--quiet"), hostile, EXOID_PROCESSES="2")
-    assert done.returncode in (0, 1), done.stderr
-
-
 @pytest.mark.parametrize(
     "engine", ["alone", "processes", *(pytest.param(name, marks=pytest.mark.slow) for name in ("dask", "slurm"))]
 )

@@ -13,8 +13,7 @@ import pytest
 import exoid
 from exoid.apps.watch.io.mqtt import Broker
 from exoid.apps.watch.io.prometheus import Scraped
-from exoid.ground import cache
-from exoid.ground.engines import workers
+from exoid.ground import cache, cores
 from exoid.ground.engines.dask import dask
 from exoid.ground.engines.processes import processes
 from exoid.ground.engines.slurm import slurm
@@ -156,12 +155,12 @@ def test_nothing_else_is_imported_without_saying_where_it_comes_from():
 
 
 def test_the_cores_of_a_container_are_those_it_is_granted(monkeypatch, tmp_path):
-    monkeypatch.setattr(workers.os, "sched_getaffinity", lambda _: set(range(64)), raising=False)
-    monkeypatch.setattr(workers, "QUOTA", tmp_path / "cpu.max")
-    assert workers.cores() == 64
+    monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: set(range(64)), raising=False)
+    monkeypatch.setattr(cores, "QUOTA", tmp_path / "cpu.max")
+    assert cores.cores() == 64
     for granted, count in (("max 100000", 64), ("150000 100000", 2), ("1000 100000", 1)):
         (tmp_path / "cpu.max").write_text(granted + "\n")
-        assert workers.cores() == count
+        assert cores.cores() == count
 
 
 @pytest.mark.parametrize(

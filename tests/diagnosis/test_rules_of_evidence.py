@@ -180,10 +180,7 @@ def test_a_placebo_tries_a_hundred_nodes_at_most(nodes, tried):
 @pytest.mark.shows("placebo_for")
 def test_the_best_dozen_gets_placebos(monkeypatch):
     several = [candidate(name=str(k), width=1) for k in range(20)]
-    library = SimpleNamespace(
-        candidates=several, rooms=lambda todo, fitted: [[] for _ in todo],
-        fill=lambda *asked: None, keep=lambda *asked: [],
-    )  # fmt: skip
+    library = SimpleNamespace(candidates=several, columns=lambda *asked: [])
 
     def weighs(evidence, one, columns):
         return Score(one, np.zeros(1, int), 0.9 - 0.01 * int(one.name), np.zeros(1), None, np.zeros(1), 1.0, True)

@@ -10,9 +10,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate, feeds_back, fill_columns, late_columns
-from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.ground.engines.workers import shared
 from exoid.optimisation.fitting.shapes import from_unit
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.effect import Effect, Shape
@@ -65,57 +64,7 @@ class Library:
         """
         if candidate.name in (beside := self._beside.get(fitted, {})):
             return beside[candidate.name]
-        room = self._room(candidate, fitted, np.zeros(self._size(candidate, fitted)))
-        self.fill(candidate, fitted, room)
-        return self.keep(candidate, fitted, room)
-
-    def rooms(self, candidates: Sequence[Candidate], fitted: FittedModel) -> list[tuple[Columns, ...]]:
-        """Return the columns that are kept of each candidate, or room for them which copies of this process see; those
-        of many nodes are computed when they are asked for.
-        """
-        sizes = [self._size(one, fitted) for one in candidates]
-        lasting = [_lasting(one) for one in candidates]  # apart: memory goes as a whole
-        wanted = [sum(s for s, lasts in zip(sizes, lasting, strict=True) if lasts == group) for group in (False, True)]
-        memory, used = [np.frombuffer(shared(count), dtype=float) for count in wanted], [0, 0]
-        out = []
-        for one, size, place in zip(candidates, sizes, lasting, strict=True):
-            out.append(self._room(one, fitted, memory[place][used[place] : used[place] + size]))
-            used[place] += size
-        return out
-
-    def _size(self, candidate: Candidate, fitted: FittedModel) -> int:
-        """Return how many numbers the columns are that must be written."""
-        columns = candidate.nodes.shape[1] * candidate.width * len(candidate.joints)
-        if candidate.name in self._kept or columns > MANY:
-            return 0
-        return columns * sum(len(one.kept) for one in fitted.prepared.all)
-
-    def _room(self, candidate: Candidate, fitted: FittedModel, values: Float) -> tuple[Columns, ...]:
-        prepared = fitted.prepared
-        if candidate.name in self._kept:
-            return self._kept[candidate.name]
-        if not len(values):
-            each = zip(candidate.nodes, prepared.all, strict=True)
-            return tuple(late_columns(candidate, nodes, one, fitted) for nodes, one in each)
-        own = candidate.nodes.shape[1], candidate.width, len(candidate.joints)
-        shapes = [(*own, len(one.kept)) for one in prepared.all]
-        parts = np.split(values, np.cumsum([int(np.prod(shape)) for shape in shapes])[:-1])
-        return tuple(
-            Columns(candidate.joints, np.moveaxis(part.reshape(shape), 1, 3))
-            for part, shape in zip(parts, shapes, strict=True)
-        )
-
-    def fill(self, candidate: Candidate, fitted: FittedModel, room: tuple[Columns, ...]) -> None:
-        """Compute the columns of `candidate` into the `room` for them, unless they are kept."""
-        if candidate.name not in self._kept:
-            for nodes, one, columns in zip(candidate.nodes, fitted.prepared.all, room, strict=True):
-                if not isinstance(columns, LateColumns):
-                    fill_columns(candidate, nodes, one, fitted, columns)
-
-    def keep(self, candidate: Candidate, fitted: FittedModel, columns: tuple[Columns, ...]) -> tuple[Columns, ...]:
-        """Keep the columns of `candidate` beside `fitted`, beside any model if no parameter can change them; and return
-        them.
-        """
+        columns = self._kept[candidate.name] if candidate.name in self._kept else _columns(candidate, fitted)
         if _lasting(candidate):
             self._kept[candidate.name] = columns
             return columns
@@ -123,6 +72,20 @@ class Library:
             self._beside.clear()
         self._beside.setdefault(fitted, {})[candidate.name] = columns
         return columns
+
+
+def _columns(candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
+    """Columns of a candidate on every recording; those of many nodes are computed when they are asked for."""
+    each = tuple(zip(candidate.nodes, fitted.prepared.all, strict=True))
+    if candidate.nodes.shape[1] * candidate.width * len(candidate.joints) > MANY:
+        return tuple(late_columns(candidate, nodes, one, fitted) for nodes, one in each)
+    out = []
+    for nodes, one in each:
+        shape = candidate.nodes.shape[1], candidate.width, len(candidate.joints), len(one.kept)
+        columns = Columns(candidate.joints, np.moveaxis(np.zeros(shape), 1, 3))
+        fill_columns(candidate, nodes, one, fitted, columns)
+        out.append(columns)
+    return tuple(out)
 
 
 def _lasting(candidate: Candidate) -> bool:

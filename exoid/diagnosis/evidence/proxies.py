@@ -18,7 +18,6 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import block_losses, refine
 from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from exoid.diagnosis.evidence.score import weigh
-from exoid.ground.engines.workers import first_passing
 from exoid.symbolic.effect import Coefficient, Effect, Shape
 from exoid.symbolic.joints import UNITS
 from exoid.symbolic.motion import Float
@@ -107,8 +106,7 @@ def beaten(
         return bump if score.share > least * alone and bump.supersedes(term) else None
 
     contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint) if candidate.numbers < numbers]
-    won = first_passing(lambda k: contests[k]() is not None, len(contests))
-    return None if won is None else contests[won]()
+    return next((found for contest in contests if (found := contest()) is not None), None)
 
 
 def _bumps(now: FittedModel, joint: str) -> list[Candidate]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,6 @@ from exoid.diagnosis.evidence.look_alikes import placed, refine
 from exoid.diagnosis.evidence.placebo import as_good, p_value, searches
 from exoid.diagnosis.evidence.score import Score, harmless, weigh
 from exoid.diagnosis.evidence.stability import Splits
-from exoid.ground.engines.workers import share_out, shared
 from exoid.ground.progress import Progress, silent
 from exoid.ground.ties import ascending
 
@@ -51,22 +49,13 @@ def weigh_all(
     todo: Sequence[Candidate],
     tick: Progress = silent,
 ) -> tuple[list[Score], dict[str, tuple[Columns, ...]]]:
-    """Return the candidates `todo` weighed, without placebos, and their columns; shared with copies of this process."""
-    rooms = library.rooms(todo, fitted)
-    found: dict[int, Score] = {}
-
-    def weighed(k: int) -> dict[str, Any]:
-        library.fill(todo[k], fitted, rooms[k])
-        return weigh(evidence, todo[k], rooms[k]).to_plain()
-
-    def heard(k: int, answer: dict[str, Any]) -> None:
-        found[k] = Score.of(todo[k], answer)
-        tick(len(found) / len(todo), todo[k].name)
-
-    order = sorted(range(len(todo)), key=lambda k: -todo[k].nodes.shape[1] * todo[k].width)
-    share_out(weighed, order, heard, fitted.linear.tobytes() + fitted.shapes.tobytes())
-    columns = {c.name: library.keep(c, fitted, room) for c, room in zip(todo, rooms, strict=True)}
-    return [found[k] for k in range(len(todo))], columns
+    """The candidates `todo` weighed, without placebos, and their columns."""
+    scores, columns = [], {}
+    for k, candidate in enumerate(todo, start=1):
+        columns[candidate.name] = library.columns(candidate, fitted)
+        scores.append(weigh(evidence, candidate, columns[candidate.name]))
+        tick(k / len(todo), candidate.name)
+    return scores, columns
 
 
 def with_chance(
@@ -75,22 +64,13 @@ def with_chance(
     columns: Mapping[str, Sequence[Columns]],
     tick: Progress = silent,
 ) -> list[Score]:
-    """Return `scores` with their p-values; shared with copies of this process."""
-    parts = [(k, part) for k, score in enumerate(scores) for part in searches(evidence, score)]
-    good = np.frombuffer(shared(evidence.draws * len(parts)), dtype=bool)
-    good = good[: evidence.draws * len(parts)].reshape(-1, evidence.draws)
-
-    def chance(i: int) -> None:
-        k, part = parts[i]
-        good[i] = as_good(evidence, scores[k], columns[scores[k].name], part)
-
-    def settled(i: int, answer: None) -> None:
-        tick((i + 1) / len(parts), scores[parts[i][0]].name)
-
-    order = sorted(range(len(parts)), key=lambda i: (not parts[i][1].own, -parts[i][1].nodes.size))
-    share_out(chance, order, settled, np.array([score.share for score in scores]).tobytes())
-    own = [[good[i] for i, (whose, _) in enumerate(parts) if whose == k] for k in range(len(scores))]
-    return [replace(s, p_value=p_value(evidence, found)) for s, found in zip(scores, own, strict=True)]
+    """`scores` with their p-values."""
+    out = []
+    for k, score in enumerate(scores, start=1):
+        found = [as_good(evidence, score, columns[score.name], part) for part in searches(evidence, score)]
+        out.append(replace(score, p_value=p_value(evidence, found)))
+        tick(k / len(scores), score.name)
+    return out
 
 
 def agreed(

@@ -20,7 +20,6 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import Gain
 from exoid.diagnosis.plots import curve
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.engines.workers import share_out
 from exoid.ground.html import bullets, lines
 from exoid.ground.ties import ascending, index_of_greatest
 from exoid.symbolic.joints import LEG, Joint
@@ -138,35 +137,21 @@ def remainders(
     seen = np.any([p.used.any(axis=1) for p in now.prepared.train], axis=0)
     places = [k for k, name in enumerate(now.model.joint_names) if seen[k] and name in (joints or [name])]
     asked = [(place, variable, factor) for place in places for variable, factor in tried_curves(now.model.joints)]
-    answers: dict[int, list[dict[str, Any]]] = {}
-
-    def weighed(k: int) -> list[dict[str, Any]]:
-        place, variable, factor = asked[k]
-        splines = splines_along(now, variable, place, factor, evidence.rules.knots)
-        modes = _modes(variable, factor, common, owns) if splines is not None else ()
-        return [_weigh(parts, splines, place, own) for own, parts in modes if splines is not None]
-
-    share_out(weighed, range(len(asked)), answers.__setitem__)
     found = []
-    for k, (place, variable, factor) in enumerate(asked):
-        for answer in answers[k]:
-            arrays = {name: np.array(answer[name]) for name in ("x", "y", "band")}
-            joint = now.model.joint_names[place]
-            one = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **{**answer, **arrays})
-            found.append(one)
+    for place, variable, factor in asked:
+        splines = splines_along(now, variable, place, factor, evidence.rules.knots)
+        if splines is not None:
+            for own, parts in _modes(variable, factor, common, owns):
+                gained = _weigh(parts, splines, place, own)
+                joint = now.model.joint_names[place]
+                found.append(Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **gained))
     # A curve of its own for each recording must earn that freedom.
     found = ascending(found, lambda one: -one.share * (evidence.rules.most if one.own else 1.0), 1.0)
-    telling = [k for k, one in enumerate(found[:placebos]) if one.share >= least_of_a_curve(evidence.rules)]
-
-    def chance(k: int) -> float:
-        one = found[k]
-        splines = splines_along(now, one.variable, one.index, one.factor, evidence.rules.knots)
-        return _p_value(owns if one.own else common, splines.columns if splines is not None else (), one.share)
-
-    def settled(k: int, p_value: float) -> None:
-        found[k] = replace(found[k], p_value=p_value)
-
-    share_out(chance, telling, settled)
+    for k, one in enumerate(found[:placebos]):
+        if one.share >= least_of_a_curve(evidence.rules):
+            splines = splines_along(now, one.variable, one.index, one.factor, evidence.rules.knots)
+            columns = splines.columns if splines is not None else ()
+            found[k] = replace(one, p_value=_p_value(owns if one.own else common, columns, one.share))
     return found
 
 
@@ -217,7 +202,7 @@ def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> list[Curve
 
 
 def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) -> dict[str, Any]:
-    """Return what a curve gains on the `parts`, at the joint `index`, as JSON can write it."""
+    """What a curve gains on the `parts`, at the joint `index`, as fields of a Remainder."""
     gains = [j.gain(splines.columns) for j in parts]
     fall = sum(float(g.total[0]) for g, j in zip(gains, parts, strict=True) if j.trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in parts if j.trained)
@@ -236,9 +221,9 @@ def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) 
         "share": share,
         "unseen": unseen / against if against else share,
         "joint_share": min(1.0, share * float(each.sum() / each[index])) if each[index] else 0.0,
-        "x": splines.x.tolist(),
-        "y": y.tolist(),
-        "band": band.tolist(),
+        "x": splines.x,
+        "y": y,
+        "band": band,
     }
 
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -27,12 +26,6 @@ AT_ONCE = 100_000
 """Values of columns that are looked at in one piece."""
 TOGETHER = 10_000
 """Nodes times placebos that are fitted at once: more need memory, and wait for it."""
-
-
-_FOUND = (
-    "nodes", "share", "folds", "unseen", "coefficients", "novelty", "helps", "steady", "caution", "joint_share",
-)  # fmt: skip
-"""What `weigh` finds of a candidate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +68,6 @@ class Score:
     def repeats(self, rules: Rules) -> bool:
         """Whether nearly all splits of many recordings support it."""
         return self.agreement is not None and self.agreement.repeats(rules)
-
-    def to_plain(self) -> dict[str, Any]:
-        """Return what weighing found as JSON can write it, to the last digit."""
-        found = {name: getattr(self, name) for name in _FOUND}
-        return {k: v.tolist() if isinstance(v, (np.ndarray, np.generic)) else v for k, v in found.items()}
-
-    @classmethod
-    def of(cls, candidate: Candidate, found: Mapping[str, Any]) -> Score:
-        """Return the score of a candidate from what `to_plain` made of it."""
-        arrays = {name: np.array(found[name]) for name in ("nodes", "folds", "coefficients")}
-        return cls(candidate, **{**found, **arrays})
 
     @property
     def shape(self) -> Float:

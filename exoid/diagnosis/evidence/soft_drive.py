@@ -14,7 +14,7 @@ predicts nothing, so this is no entry: it only says what the matter is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -26,7 +26,6 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rm
 from exoid.diagnosis.evidence.model_error import fitted_seconds
 from exoid.diagnosis.evidence.swinging import swinging
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.engines.workers import postpone, share_out
 from exoid.ground.minimum import minimum
 from exoid.ground.ties import least_of
 from exoid.measurement.signals.compiled import solved_banded
@@ -113,12 +112,6 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     return least_of(found, lambda one: one.share, 1.0) if found else None
 
 
-def seek_later(base: FittedModel, noise: Float, rules: Rules = RULES) -> None:
-    """Let soft drives behind `base` be sought with the work that is shared out next, where `plainly_soft` will ask."""
-    if base not in _BEST and _may_be(base, base, base.evaluation_rms > rules.artefact * noise, rules):
-        _seek(base, postpone)
-
-
 def _may_be(base: FittedModel, last: FittedModel, asked: np.ndarray, rules: Rules) -> bool:
     """Whether enough is left (`asked` (J,), where), and recorded, to ask for a soft drive; of what swings by itself, a
     link on a spring takes up much.
@@ -151,25 +144,11 @@ def _share_left(after: Float, before: Float, noise: Float) -> float:
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
-    """Return the drive at `joint` that leaves least of the fitted torque, None where none helps; looked for once, at
-    all joints, shared with copies of this process.
-    """
+    """The drive at `joint` that leaves least of the fitted torque, None where none helps; sought once at all joints."""
     if fitted not in _BEST:
-        _seek(fitted, share_out)
+        sought = [_sought(fitted, k) for k in range(len(fitted.model.joints))]
+        _BEST[fitted] = {k: None if one is None else _drive(fitted, k, one) for k, one in enumerate(sought)}
     return _BEST[fitted][joint]
-
-
-def _seek(fitted: FittedModel, share: Callable[..., None]) -> None:
-    """Find the best drive at every joint, shared out by `share`."""
-    found: dict[int, SoftDrive | None] = {}
-    joints = range(len(fitted.model.joints))
-
-    def heard(k: int, one: dict[str, Any] | None) -> None:
-        found[k] = None if one is None else _drive(fitted, k, one)
-        if len(found) == len(joints):
-            _BEST[fitted] = found
-
-    share(lambda k: _sought(fitted, k), joints, heard)
 
 
 def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:

@@ -12,7 +12,6 @@ import numpy as np
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.engines.workers import share_out
 from exoid.ground.ties import index_of_least, least_of
 from exoid.measurement.signals.spikes import without_spikes
 from exoid.optimisation.linear.factor import factorise
@@ -171,23 +170,14 @@ class _Readings:
 
     @cached_property
     def coarse(self) -> dict[str, dict[float, Float]]:
-        """What is left (J,) with all torques changed, of every kind and at the seconds that are tried; shared with
-        copies of this process.
-        """
+        """What is left (J,) with all torques changed, of every kind and at the seconds that are tried."""
         tried = [(kind, value) for kind, (_, values) in CHANGES.items() for value in values]
         found = dict(zip(tried, self._each(tried, None), strict=True))
         return {kind: {value: found[kind, value] for value in sorted(values)} for kind, (_, values) in CHANGES.items()}
 
     def _each(self, tried: Sequence[tuple[str, float]], which: np.ndarray | None) -> list[Float]:
         """Return what is left (J,) with the torques of `which` changed in each of the ways `tried` (kind, seconds)."""
-        found: dict[int, Float] = {}
-
-        def work(k: int) -> list[float]:
-            kind, value = tried[k]
-            return self.left(CHANGES[kind][0], value, which).tolist()
-
-        share_out(work, range(len(tried)), lambda k, left: found.update({k: np.array(left)}))
-        return [found[k] for k in range(len(tried))]
+        return [self.left(CHANGES[kind][0], value, which) for kind, value in tried]
 
     def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
         """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them, or

@@ -22,7 +22,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from exoid.ground.engines.workers import PROCESSES
 from exoid.ground.import_path import environment_of_workers
 from exoid.ground.plain import AsJson
 
@@ -31,7 +30,7 @@ MOST_JOBS = 500
 ATTEMPTS = 2
 """Times a job is tried whose process ended in the middle of it."""
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-BESIDE_OTHERS = {name: "1" for name in (*ONE_THREAD, PROCESSES)}
+BESIDE_OTHERS = dict.fromkeys(ONE_THREAD, "1")
 """The environment of a worker that shares its machine with others."""
 
 

@@ -6,8 +6,8 @@ import contextlib
 import logging
 from typing import Any
 
+from exoid.ground.cores import cores
 from exoid.ground.engines.engine import Engine, EngineError
-from exoid.ground.engines.workers import cores
 from exoid.ground.extras import needing
 from exoid.ground.import_path import workers_import_alike
 

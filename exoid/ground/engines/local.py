@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
+from exoid.ground.cores import cores
 from exoid.ground.engines.cell import close_cells
 from exoid.ground.engines.engine import Engine
-from exoid.ground.engines.workers import cores
 
 
 def local(jobs: int = 0) -> Engine:

@@ -10,9 +10,9 @@ from concurrent.futures import Executor, Future
 from multiprocessing import resource_tracker as of_python
 from typing import Any
 
+from exoid.ground.cores import cores
 from exoid.ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
 from exoid.ground.engines.engine import AHEAD, Engine, EngineError, Job, completed
-from exoid.ground.engines.workers import cores
 from exoid.ground.extras import needing
 from exoid.ground.import_path import SAFE, workers_import_alike
 

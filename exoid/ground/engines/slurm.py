@@ -11,8 +11,8 @@ from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
+from exoid.ground.cores import cores
 from exoid.ground.engines.engine import Engine, EngineError
-from exoid.ground.engines.workers import cores
 from exoid.ground.errors import refused
 from exoid.ground.extras import needing
 from exoid.ground.import_path import environment_of_workers, workers_import_alike

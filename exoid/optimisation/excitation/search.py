@@ -24,7 +24,6 @@ from typing import Any
 
 import numpy as np
 
-from exoid.ground.engines.workers import share_out
 from exoid.ground.progress import Progress, silent
 from exoid.ground.ties import CONVERGED, ascending, index_of_least, least_of, tied
 from exoid.measurement.trajectories.trajectory import Fourier
@@ -133,19 +132,12 @@ class MotionSearch:
         if memory_operations(self.info.model):  # a motion takes too long for so many differences
             return found
         refinement = Refinement(self.info, self.space, self.aim, asked.criterion)
-        better: dict[int, tuple[list[float], float, int]] = {}
-
-        def refined(k: int) -> tuple[list[float], float, int]:
-            y, value, count = refinement.refined(self.stretched(ends[k][0][None])[0], ends[k][1])
-            return y.tolist(), value, count
-
-        def heard(k: int, end: tuple[list[float], float, int]) -> None:
-            better[k] = end
-            self.say(0.5 + 0.4 * len(better) / len(ends), "refining")
-
-        share_out(refined, range(len(ends)), heard)
-        finest, value, _ = least_of([better[k] for k in range(len(ends))], lambda end: end[1])
-        spent, y = spent + sum(count for *_, count in better.values()), np.array(finest)
+        better = []
+        for k, (end, reached) in enumerate(ends, start=1):
+            better.append(refinement.refined(self.stretched(end[None])[0], reached))
+            self.say(0.5 + 0.4 * k / len(ends), "refining")
+        y, value, _ = least_of(better, lambda end: end[1])
+        spent += sum(count for *_, count in better)
         return [*found, self._candidate(f"{name}, refined", y[None], value, spent, time.perf_counter() - began)]
 
     def _printed(self) -> DesignedMotion:
@@ -171,23 +163,18 @@ class MotionSearch:
         count = min(RUNS, max(1, asked.generations // SHORTEST))
         each, more = divmod(max(asked.generations, 1), count)
         problem = self._problem(self.value, BOX_HALF_WIDTH)
-        ends: dict[int, tuple[list[float], float, int]] = {}
-
-        def ended(k: int) -> tuple[list[float], float, int]:
+        ends, spent = [], 0
+        for k in range(count):
             seed = self._seed(k)
             first = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, (asked.individuals, self.space.size))
             run = minimise(
                 problem, RECIPES.get(asked.optimiser, optimisers()[asked.optimiser]()), individuals=asked.individuals,
                 generations=each + (k < more), seed=seed, start=self.stretched(first),
             )  # fmt: skip
-            return run.x.tolist(), float(run.fitness), run.evaluations
-
-        def heard(k: int, end: tuple[list[float], float, int]) -> None:
-            ends[k] = end
+            ends.append((run.x, float(run.fitness)))
+            spent += run.evaluations
             self.say(0.05 + 0.45 * len(ends) / count, label_of(asked.optimiser))
-
-        share_out(ended, range(count), heard)
-        return [(np.array(ends[k][0]), ends[k][1]) for k in range(count)], sum(spent for *_, spent in ends.values())
+        return ends, spent
 
     def _staged(self, generations: int, seed: int) -> tuple[Float, float]:
         """Return the best point and its value after all stages."""

@@ -9,7 +9,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from exoid.ground.engines.workers import share_out
 from exoid.ground.folder import modules_in
 from exoid.workbench.command_line.files import make_folder, write_bytes, write_text
 from exoid.workbench.report import sections
@@ -81,16 +80,12 @@ def write_report(material: Material, folder: str | Path) -> Path:
 
 
 def _drawn(pictures: Sequence[Picture]) -> dict[Picture, tuple[str, str]]:
-    """Return every picture as two data URIs, as it stands in a page and as PNG; several processes draw."""
+    """Every picture as two data URIs, as it stands in a page and as PNG."""
     if not pictures:
         return {}
     from exoid.ground.figures import to_uris
 
-    found: dict[int, tuple[str, str]] = {}
-    share_out(
-        lambda k: to_uris(pictures[k].figure), range(len(pictures)), lambda k, uris: found.update({k: tuple(uris)}),
-    )  # fmt: skip
-    return {picture: found[k] for k, picture in enumerate(pictures)}
+    return {picture: to_uris(picture.figure) for picture in pictures}
 
 
 def environment() -> Environment:
