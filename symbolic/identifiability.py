@@ -19,6 +19,7 @@ import numpy as np
 from exoid.ground.cache import cache_folder, read_trusted
 from exoid.ground.errors import EffectError
 from exoid.ground.files import sha256, write_whole
+from exoid.ground.plain import SPOILT
 from exoid.symbolic.catalogue import catalogue
 from exoid.symbolic.codegen.equation import model_expressions
 from exoid.symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, model_data, term_content
@@ -160,7 +161,7 @@ def _read(path: Path) -> tuple[LookAlike, ...] | None:
         if content["seal"] != sha256(canonical_json(content["found"])):
             return None
         return tuple(LookAlike(tuple(one["names"]), one["relation"], one["absorbed"]) for one in content["found"])
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, *SPOILT):
         return None
 
 

@@ -14,7 +14,7 @@ from exoid.ground.errors import ExoidError, RecordingError, refused
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.lock import LOCK, FolderHeld
-from exoid.ground.plain import plain
+from exoid.ground.plain import SPOILT, plain
 from exoid.workbench.page.folder import LARGEST, SESSION, SessionFolder, inside
 from exoid.workbench.page.given import FIT, VERIFY
 from exoid.workbench.page.takeaway import MODEL, REPORT, model_toml, report
@@ -120,10 +120,6 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
     workspace.saved = Path(os.path.realpath(folder)) if kept else None
     if place is not None:
         _keep(workspace, place)
-
-
-SPOILT = (KeyError, TypeError, ValueError, OverflowError, RecursionError, AttributeError)
-"""What a session.json that was spoilt raises when it is gone through."""
 
 
 def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) -> None:
