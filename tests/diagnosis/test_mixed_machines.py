@@ -1,5 +1,7 @@
 """Turning and sliding joints in one machine, chains and trees, in a plane and in space: every question is answered."""
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from exoid.diagnosis.discover import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.proxies import _bumps
 from exoid.diagnosis.trials.cases import singles
-from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.measurement.bench.simulation import Bench, BenchError, run_bench
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.joints import Joint, Origin
@@ -35,11 +37,12 @@ def mixed_machine(rng):
 
 def recordings_of(seed):
     """A machine and runs of it: nothing is hidden in every third, in the others any effect at any joint."""
-    rng = np.random.default_rng(seed)
+    rng, bench = np.random.default_rng(seed), Bench(duration=10.0)
     model = mixed_machine(rng)
-    hidden = [str(rng.choice(singles(model)))] if seed % 3 else []
-    bench = Bench(duration=10.0)
-    return model, [run_bench(model, effects=hidden, seed=seed, index=k, bench=bench).recording for k in range(3)]
+    for hidden in map(str, rng.permutation(singles(model))) if seed % 3 else ((),):
+        with suppress(BenchError):  # some effects are too much for some machines
+            return model, [run_bench(model, effects=hidden, seed=seed, index=k, bench=bench).recording for k in range(3)]
+    raise AssertionError("the bench moves no machine")
 
 
 @pytest.mark.parametrize("seed", [pytest.param(k, marks=[] if k in DAILY else pytest.mark.slow) for k in range(ALL)])

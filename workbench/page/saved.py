@@ -69,7 +69,7 @@ def _write(workspace: Workspace, place: SessionFolder) -> None:
     before = _named(place)
     place.write(json.dumps(plain(content), indent=1, ensure_ascii=False))
     write_whole(place.folder / MODEL, model_toml(workspace), at_once=True, inside=place.folder)
-    place.tidy(_files(content), before)
+    place.tidy(_files(content), before, workspace.place)
 
 
 def _named(place: SessionFolder) -> list[str]:
