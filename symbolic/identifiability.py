@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exoid.ground.cache import cache_folder, read_trusted
+from exoid.ground.cache import cache_folder, read_trusted, write_trusted
 from exoid.ground.errors import EffectError
-from exoid.ground.files import sha256, write_whole
+from exoid.ground.files import sha256
 from exoid.ground.plain import SPOILT
 from exoid.symbolic.catalogue import catalogue
 from exoid.symbolic.codegen.equation import model_expressions
@@ -111,7 +111,7 @@ def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
         plain = [asdict(one) for one in found]
         try:
             content = canonical_json({"found": plain, "seal": sha256(canonical_json(plain))})
-            write_whole(path, content, at_once=True, inside=path.parent)
+            write_trusted(path, content)
         except OSError:
             # A full disk costs the next caller the computation, not this one the answer.
             return found

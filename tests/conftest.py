@@ -16,10 +16,6 @@ settings.load_profile("same")
 os.environ.setdefault("MPLBACKEND", "Agg")
 # Before NumPy is imported: workers whose BLAS has as many threads as there are cores mostly wait for one another.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-HUNG = 600.0
-"""Seconds by the clock after which a test says that something hangs; every test that waits waits so long. It is no
-measure of speed: the machine may be busy with anything else."""
-
 os.environ["COLUMNS"] = "200"  # what commands say is not folded in the middle of what a test looks for
 
 

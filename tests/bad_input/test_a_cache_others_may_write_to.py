@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from exoid.ground import cache
-from exoid.ground.cache import cache_folder, distrust, read_trusted
+from exoid.ground.cache import cache_folder, distrust, read_trusted, write_trusted
 from exoid.ground.files import sha256
 from exoid.symbolic.codegen.cache import LIBRARY, RECORD, SEAL, GeneratedC, load_library
 from exoid.symbolic.codegen.compiler import EXACT, find_compiler
@@ -160,14 +160,20 @@ def test_a_library_of_somebody_else_is_not_loaded(folder):
 
 @compiles
 @posix
-def test_the_umask_does_not_matter(folder):
+def test_the_umask_does_not_matter(tmp_path, monkeypatch):
+    """Nor for the folders above the cache: in ~/.cache that others may write to, it would be distrusted for ever."""
+    folder = tmp_path / "home" / ".cache" / "exoid"
+    monkeypatch.setenv("EXOID_CACHE", str(folder))
     before = os.umask(0)
     try:
+        assert cache_folder() == folder
+        write_trusted(folder / "record", "text")
+        assert read_trusted(folder / "record", 64) == b"text"
         assert load_library("kind", "x", EXACT, one, ["answer"]) is not None
         assert load_library("kind", "x", EXACT, pytest.fail, ["answer"]) is not None
     finally:
         os.umask(before)
-    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert all(stat.S_IMODE(part.stat().st_mode) == 0o700 for part in (folder, folder.parent, folder.parent.parent))
 
 
 @posix

@@ -41,7 +41,8 @@ def recordings_of(seed):
     model = mixed_machine(rng)
     for hidden in map(str, rng.permutation(singles(model))) if seed % 3 else ((),):
         with suppress(BenchError):  # some effects are too much for some machines
-            return model, [run_bench(model, effects=hidden, seed=seed, index=k, bench=bench).recording for k in range(3)]
+            runs = [run_bench(model, effects=hidden, seed=seed, index=k, bench=bench) for k in range(3)]
+            return model, [run.recording for run in runs]
     raise AssertionError("the bench moves no machine")
 
 

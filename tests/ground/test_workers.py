@@ -15,6 +15,7 @@ import pytest
 
 from exoid.ground.engines import workers
 from exoid.ground.errors import ExoidError
+from tests.waiting import HUNG, until
 
 HERE = os.getpid()
 
@@ -177,15 +178,11 @@ with workers.with_copies():
     workers.share_out(lambda k: k, range(20), lambda k, answer: None)
 """
     processes(2)
-    done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parents[2], timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parents[2], timeout=HUNG)
     assert done.returncode == -signal.SIGKILL
     begun = [int(path.name) for path in tmp_path.iterdir()]
     assert len(begun) == 2
-    for _ in range(500):
-        if not any(Path(f"/proc/{process}").exists() for process in begun):
-            return
-        time.sleep(0.02)
-    pytest.fail("a copy lives on")
+    until(lambda: not any(Path(f"/proc/{process}").exists() for process in begun), lambda: "a copy lives on")
 
 
 @pytest.mark.parametrize("many", [1, 3])

@@ -15,16 +15,15 @@ from exoid.workbench.page.takeaway import report
 from exoid.workbench.page.views import details, state
 from exoid.workbench.page.work import start_work
 from exoid.workbench.page.workspace import Workspace
+from tests.waiting import HUNG
 
-PATIENCE = 180.0
-"""Seconds until something counts as stuck."""
 MISSING = "load_friction:knee"
 
 
 def wait_for(workspace, true):
     began = time.monotonic()
     while not true(shown := state(workspace)):
-        assert time.monotonic() - began < PATIENCE, shown
+        assert time.monotonic() - began < HUNG, shown
         workspace.wait(workspace.version, 0.5)
     return shown
 

@@ -20,7 +20,7 @@ from exoid.symbolic.codegen.compiler import NoCompilerWarning
 from exoid.symbolic.codegen.fitness import CHUNK, STRETCH, fitness
 from exoid.symbolic.codegen.kernel import compiled
 from exoid.symbolic.columns import derived_columns, model_columns
-from tests.conftest import HUNG
+from tests.waiting import HUNG
 
 ROOT = Path(__file__).parents[2]
 N_M = Coefficient("N·m")
