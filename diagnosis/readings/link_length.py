@@ -43,7 +43,7 @@ def entry(model: Model, prepared: Prepared) -> Effect | None:
     """
     joints = model.chain
     carrying = {above for above in parents(joints) if above is not None}
-    # Where the mass of what hangs further out is a number of its own, as behind a sliding joint, a length enters squared.
+    # Where the mass of what hangs further out is a number of its own (behind a sliding joint), a length enters squared.
     found = base_parameters(joints, model.pull, model.moving_base)
     squared = {k for one in found if one.kind == "m" for k in ancestors(joints, one.link)[:-1]}
     places = tuple(joint.name for k, joint in enumerate(joints) if k in carrying - squared and joint.length)
