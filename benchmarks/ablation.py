@@ -148,7 +148,7 @@ def _said(case: str) -> Line | None:
 
 def counted(case: str) -> Line | None:
     """Return the answer to a case as the rules are, and which of them fired; None where it cannot be drawn here."""
-    importlib.import_module("exoid.diagnosis.discover")
+    importlib.import_module("exoid.diagnosis.discovery")
     fired: set[str] = set()
     with ExitStack() as stack:
         for one in switches().values():
@@ -159,7 +159,7 @@ def counted(case: str) -> Line | None:
 
 def without(case: str, rule: str) -> Line | None:
     """Return the answer to a case with a rule switched off; None where it cannot be drawn here."""
-    importlib.import_module("exoid.diagnosis.discover")
+    importlib.import_module("exoid.diagnosis.discovery")
     one = switches()[rule]
     with replaced(one, one.off):
         line = _said(case)
@@ -220,7 +220,7 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run what the command line asks for."""
     form = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(prog="benchmarks/ablation.py", description=__doc__, formatter_class=form)
-    importlib.import_module("exoid.diagnosis.discover")
+    importlib.import_module("exoid.diagnosis.discovery")
     everything = list(switches())
     parser.add_argument("folder", type=Path, help="where answers are kept, outside the repository")
     parser.add_argument("--cases", type=int, default=None, help="the first so many cases, kinds by turns (all)")

@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from exoid.symbolic.catalogue import catalogue  # noqa: E402
+from exoid.symbolic.effect_catalogue import catalogue  # noqa: E402
 from exoid.symbolic.joints import LEG  # noqa: E402
 from exoid.symbolic.term import places_of  # noqa: E402
 

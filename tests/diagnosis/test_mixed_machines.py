@@ -4,11 +4,11 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-
 from exoid.diagnosis.discover import discover
+from exoid.diagnosis.trials.cases import singles
+
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.proxies import _bumps
-from exoid.diagnosis.trials.cases import singles
 from exoid.measurement.bench.simulation import Bench, BenchError, run_bench
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare

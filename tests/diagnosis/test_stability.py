@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.gain import robust_weight
 from exoid.diagnosis.evidence.model_error import noise_with
@@ -22,7 +22,7 @@ from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.search.possible import agreements_of, possible_of
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.model import Model
 
 OFFSET = {"torque_offset:knee": ([0.6], [])}
