@@ -21,7 +21,7 @@ ANSWER = 60.0
 """Seconds by the clock in which a compiler says who it is, which takes it milliseconds."""
 
 PATIENCE = 120
-"""Seconds of processor that a compilation may take; a model takes 0.2, an arm of seven joints ARM."""
+"""Seconds of processor that a step of a compilation may take; that of a leg takes 0.2."""
 
 HUNG = 600.0
 """Seconds by the clock after which a compiler waits for something that will not come: a licence, another machine."""

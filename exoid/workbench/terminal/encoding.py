@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import io
 import os
 import sys
 from collections.abc import Mapping
@@ -62,7 +63,7 @@ def _open_closed() -> None:
     os.close(number)
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            stream = open(os.devnull, mode, encoding="utf-8")  # noqa: SIM115 - for as long as the process lives
+            stream = io.TextIOWrapper(open(os.devnull, f"{mode}b"), "utf-8")  # noqa: SIM115 - as long as we live
             setattr(sys, name, stream)
             _NOWHERE.append(stream)
 
