@@ -185,6 +185,22 @@ with workers.with_copies():
     until(lambda: not any(Path(f"/proc/{process}").exists() for process in begun), lambda: "a copy lives on")
 
 
+def test_what_is_cleared_away_after_an_interruption_is_not_told(tmp_path):
+    """The helper of joblib's processes finds semaphores of one that ended at once."""
+    pytest.importorskip("joblib")
+    code = """
+import os
+from exoid.ground.engines.processes import alone
+engine = alone()
+print(engine.executor.submit(abs, -3).result(), flush=True)
+os._exit(130)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=Path(__file__).parents[2], capture_output=True, text=True, timeout=HUNG
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "3\n", "")
+
+
 @pytest.mark.parametrize("many", [1, 3])
 def test_the_first_that_passes_is_found_whoever_looks(many, processes):
     processes(many)
