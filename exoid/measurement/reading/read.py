@@ -13,7 +13,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypedDict, Unpack
 
-from exoid.ground.calling import understood
 from exoid.ground.errors import RecordingError, refused
 from exoid.ground.files import sha256
 from exoid.ground.inputs import open_input
@@ -55,7 +54,6 @@ class HowRead(TypedDict, total=False):
     passive: str | Sequence[str]
 
 
-@understood({"map": "columns"})
 def read_recording(
     source: Any,
     columns: Mapping[str, str] | None = None,
@@ -93,7 +91,6 @@ def read_recording(
     return _finished(table, origin, name, told, machine)
 
 
-@understood({"map": "columns"})
 def read_recordings(
     sources: Any,
     columns: Mapping[str, str] | None = None,
@@ -133,7 +130,6 @@ def read_recordings(
     return tuple(found)
 
 
-@understood()
 def how_read(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,

@@ -318,7 +318,7 @@ def test_a_machine_of_three_joints_on_a_moving_base_has_its_inputs():
     from exoid.symbolic.joints import Joint
 
     chain = (Joint("a", length=0.3), Joint("b", length=0.2), Joint("c", length=0.1))
-    model = Model(name="arm", chain=chain, moving_base=True)
+    model = Model(name="arm", joints=chain, moving_base=True)
     numbers = Numbers({p.name: 1.0 + k for k, p in enumerate(model.parameters)}, {}, None)
     made = fmu._inverse(ready(model, numbers), Options("arm"))
     names = [one.name for one in made.variables]
