@@ -65,7 +65,7 @@ def test_one_of_them_is_answered_in_every_run():
     model = Model("cart", joints=(Joint("cart", "prismatic", axis=(1, 0, 0)), Joint("pole", axis=(0, -1, 0))))
     bench = Bench(duration=6.0)
     runs = [run_bench(model, effects="torque_offset:cart", seed=1, index=k, bench=bench).recording for k in range(3)]
-    answer = discover(model, runs[:2], verify=runs[2:], only=["torque_offset"])
+    answer = discover(model, runs[:2], verify=runs[2:])
     assert answer.sentence
 
 
