@@ -91,6 +91,10 @@ READ = {
     "read_recording of an array": lambda b: exoid.read_recording(b.arrays[0]),
     "read_recording of a frame": lambda b: exoid.read_recording(b.frames[0]),
     "read_recordings of a folder": lambda b: exoid.read_recordings(DATA)[0],
+    "read_recordings of a mapping": lambda b: len(exoid.read_recordings(dict(b.frames[0]))) == 1,
+    "read_recordings of a mixture": lambda b: [
+        one.name for one in exoid.read_recordings([b.frames[0], b.files[1], b.arrays[2]])
+    ] == ["table 1", "train_2", "table 3"],
     "an array of one joint": lambda b: exoid.prepare(exoid.Model(joints=["axis"]), b.arrays[0][:, [0, 1, 3]]),
     "identify of a path": lambda b: exoid.identify(b.leg, b.files[0], optimisers=()),
     "identify of what is prepared": lambda b: exoid.identify(b.leg, exoid.prepare(b.leg, b.files[0]), optimisers=()),
@@ -128,6 +132,8 @@ SAID = {
     "an array that lies": (lambda b: exoid.compare(b.leg, b.arrays[0].T), "array.T"),
     "arrays one by one": (lambda b: exoid.compare(b.leg, [b.arrays[0][:, 0]]), "name the columns"),
     "read_recording of a folder": (lambda b: exoid.read_recording(DATA), "read_recordings"),
+    "read_recordings of a number": (lambda b: exoid.read_recordings(3), "a int is not read as a recording"),
+    "read_recordings of numbers": (lambda b: exoid.read_recordings([b.files[0], 3]), "a int is not read"),
     "a file that is not there": (lambda b: exoid.compare(b.leg, "run_99.csv"), "check the path"),
     "a model that is not there": (lambda b: exoid.compare("no.toml", b.files), "check the path"),
     "a number": (lambda b: exoid.compare(b.leg, 3), "give a recording, a path"),

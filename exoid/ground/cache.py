@@ -18,6 +18,7 @@ import warnings
 from functools import lru_cache
 from pathlib import Path
 
+from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 
 if sys.platform != "win32":
@@ -63,6 +64,12 @@ def read_trusted(path: Path, most: int) -> bytes:
     return read_input(path, most, remember=False)
 
 
+def write_trusted(path: Path, content: str) -> None:
+    """Write a file of the cache that `read_trusted` reads, whatever the umask says; OSError where that cannot be."""
+    write_whole(path, content, at_once=True, inside=path.parent)
+    path.chmod(0o600)
+
+
 def distrust(path: Path) -> str:
     """Return why a file or folder of the cache is not to be trusted, "" where it is."""
     status = path.lstat()
@@ -77,7 +84,8 @@ def distrust(path: Path) -> str:
 
 def _distrusted(folder: Path) -> str:
     """Return why the folder is not to be trusted, "" where it is; OSError where it cannot be made or written to."""
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    for part in reversed((folder, *folder.parents)):  # whatever the umask says of what is made above it
+        part.mkdir(exist_ok=True, mode=0o700)
     real = folder.resolve(strict=True)
     with tempfile.TemporaryFile(dir=real):
         return distrust(real) or next(filter(None, map(_exchangeable, real.parents)), "")

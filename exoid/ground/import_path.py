@@ -40,9 +40,9 @@ def environment_of_workers() -> dict[str, str]:
 
 
 @contextlib.contextmanager
-def workers_import_alike() -> Iterator[None]:
-    """Give every process that a library starts inside the environment of workers."""
-    wanted = environment_of_workers()
+def workers_import_alike(**more: str) -> Iterator[None]:
+    """Give every process that a library starts inside the environment of workers, and `more` of it."""
+    wanted = environment_of_workers() | more
     before = {name: os.environ.get(name) for name in wanted}
     os.environ.update(wanted)
     try:

@@ -18,6 +18,9 @@ class HasName(Protocol):
 
 Named = TypeVar("Named", bound=HasName)
 
+SPOILT = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RecursionError)
+"""What JSON that is not what we wrote raises when it is read and gone through."""
+
 
 def plain(value: Any) -> Any:
     """Return `value` in types JSON has: arrays become lists, numbers that are not finite become None.

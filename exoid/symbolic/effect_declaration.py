@@ -7,14 +7,15 @@ to be linear *and* homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c)
 
 from __future__ import annotations
 
+import itertools
 import keyword
 import math
 import re
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from exoid.ground.errors import EffectError, ExpressionError
+from exoid.symbolic.joints import MOST
 from exoid.symbolic.language.deflection import deflected
 from exoid.symbolic.language.dimensions import check_dimensions
 from exoid.symbolic.language.linearity import check_proportional
@@ -22,7 +23,7 @@ from exoid.symbolic.language.tokens import refusal
 from exoid.symbolic.language.tree import OPERATORS, Call, Node
 from exoid.symbolic.language.words import MODEL_TORQUE, RESERVED, read_text, stem_of, word_dimension
 from exoid.symbolic.quantity import JOINTS
-from exoid.symbolic.units import FORCE, TORQUE, dimension
+from exoid.symbolic.units import FORCE, TORQUE, Dimension, dimension
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _ID = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}")
@@ -84,14 +85,25 @@ def _check_text(effect: Any, text: str, node: Node) -> None:
     numbers: dict[str, Any] = {**effect.coefficients, **effect.shape}
     units = {key: dimension(number.unit, effect.id) for key, number in numbers.items()}
     words = [name for name in node.names() if name not in units]
-    try:
-        check_dimensions(node, text, {**{w: word_dimension(w) for w in words}, **units}, TORQUE, effect.coefficients)
-    except ExpressionError:
-        # Right for a joint that slides? Which kind of joint it sits at is seen when it becomes a term.
-        sliding = {word: word_dimension(word, turns=False) for word in words}
-        with suppress(ExpressionError):
-            return check_dimensions(node, text, {**sliding, **units}, FORCE, effect.coefficients)
-        raise
+    _check_units(text, node, words, units, effect.coefficients)
+
+
+def _check_units(
+    text: str, node: Node, words: Collection[str], units: Mapping[str, Dimension], coefficients: Collection[str]
+) -> None:
+    """Refuse a text whose units fit at no joint: which joints turn and which slide is seen when it becomes a term."""
+    of = {word: word.removeprefix(stem_of(word) or word) for word in words}
+    others = sorted({*of.values()} - {""})[: MOST - 1]
+    first: ExpressionError | None = None
+    for turns in itertools.product((True, False), repeat=1 + len(others)):
+        kinds = dict(zip(("", *others), turns, strict=True))
+        known = {word: word_dimension(word, kinds.get(joint, True)) for word, joint in of.items()}
+        try:
+            return check_dimensions(node, text, {**known, **units}, TORQUE if turns[0] else FORCE, coefficients)
+        except ExpressionError as error:
+            first = first or error
+    assert first is not None
+    raise first
 
 
 def _memory(node: Node) -> Iterator[Call]:

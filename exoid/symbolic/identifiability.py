@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exoid.ground.cache import cache_folder, read_trusted
+from exoid.ground.cache import cache_folder, read_trusted, write_trusted
 from exoid.ground.errors import EffectError
-from exoid.ground.files import sha256, write_whole
+from exoid.ground.files import sha256
+from exoid.ground.plain import SPOILT
 from exoid.symbolic.codegen.equation import model_expressions
 from exoid.symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, model_data, term_content
 from exoid.symbolic.codegen.precise import evaluate_precisely, in_span
@@ -110,7 +111,7 @@ def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
         plain = [asdict(one) for one in found]
         try:
             content = canonical_json({"found": plain, "seal": sha256(canonical_json(plain))})
-            write_whole(path, content, at_once=True, inside=path.parent)
+            write_trusted(path, content)
         except OSError:
             # A full disk costs the next caller the computation, not this one the answer.
             return found
@@ -160,7 +161,7 @@ def _read(path: Path) -> tuple[LookAlike, ...] | None:
         if content["seal"] != sha256(canonical_json(content["found"])):
             return None
         return tuple(LookAlike(tuple(one["names"]), one["relation"], one["absorbed"]) for one in content["found"])
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, *SPOILT):
         return None
 
 

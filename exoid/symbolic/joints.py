@@ -28,6 +28,11 @@ MOST = 12
 JOINT_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 TAKEN = frozenset((BASE, "both", "next", "t"))
 UNITS = {"q": ("rad", "m"), "dq": ("rad/s", "m/s"), "ddq": ("rad/s²", "m/s²"), "tau": ("N·m", "N"), "f": ("N", "N")}
+SHORTEST, LONGEST = 1e-3, 100.0
+"""m between two joints, from a watch's to a crane's: other numbers are slips, and sums with their squares lose all
+others."""
+LIGHTEST, HEAVIEST = 1e-3, 100.0
+"""m/s² of gravity, where there is any."""
 LEVER = 0.1
 """m that a sliding joint moves where a turning one moves 1 rad, in thresholds written for angles: a drum of this
 radius."""
@@ -71,6 +76,9 @@ class Origin:
     def __post_init__(self) -> None:
         for name in ("xyz", "rpy"):
             object.__setattr__(self, name, three_numbers(getattr(self, name), f"the origin's {name}"))
+        if not max(map(abs, (*self.xyz, *self.rpy))) <= LONGEST:
+            what = f"the origin is {list(self.xyz)} m, {list(self.rpy)} rad away"
+            raise EffectError(what, where="joints", remedy=f"give m and rad, up to {LONGEST:g}")
 
 
 HERE = Origin()
@@ -171,8 +179,9 @@ def check_joints(joints: Sequence[Joint]) -> None:
             raise EffectError(f"there are two joints called {joint.name!r}", where=where, remedy="rename one")
         if joint.kind not in KINDS:
             raise EffectError(f"unknown kind {joint.kind!r}", where=where, remedy='use "revolute" or "prismatic"')
-        if joint.length is not None and not (math.isfinite(joint.length) and joint.length >= 0.0):
-            raise EffectError(f"length is {joint.length!r}", where=where, remedy="give 0 or more (m)")
+        if joint.length is not None and joint.length != 0.0 and not SHORTEST <= joint.length <= LONGEST:
+            remedy = f"give 0, or {SHORTEST:g} to {LONGEST:g} (m)"
+            raise EffectError(f"length is {joint.length!r}", where=where, remedy=remedy)
         if joint.parent is not None and joint.parent != BASE and joint.parent not in names[:k]:
             raise EffectError(
                 f"there is no joint {joint.parent!r} before it",

@@ -25,7 +25,20 @@ from exoid.ground.html import lines, table
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.force import Force, channels_of, check_forces
-from exoid.symbolic.joints import LEG, Joint, Vector, check_joints, is_spatial, names, three_numbers, units
+from exoid.symbolic.joints import (
+    HEAVIEST,
+    LEG,
+    LIGHTEST,
+    LONGEST,
+    SHORTEST,
+    Joint,
+    Vector,
+    check_joints,
+    is_spatial,
+    names,
+    three_numbers,
+    units,
+)
 from exoid.symbolic.language.torque import check_units
 from exoid.symbolic.mechanics.body import Body
 from exoid.symbolic.mechanics.friction import friction_parameters
@@ -110,9 +123,12 @@ class Model:
         if self.chain:
             check_joints(self.chain)
         self._take_gravity()
-        for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
-            if not (math.isfinite(value) and (value > 0.0 or (self.chain and value == 0.0))):
-                raise EffectError(f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)")
+        for what, value, low, high, unit in (
+            ("thigh_length", self.thigh_length, SHORTEST, LONGEST, "m"),
+            ("gravity", self.gravity, LIGHTEST, HEAVIEST, "m/s²"),
+        ):
+            if not (low <= value <= high or (self.chain and value == 0.0)):
+                raise EffectError(f"{what} is {value!r}", where="geometry", remedy=f"give {low:g} to {high:g} {unit}")
         for effect in self.custom:
             check_custom(effect, self.joints)
         object.__setattr__(self, "terms", self._named(given))

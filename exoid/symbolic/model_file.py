@@ -20,7 +20,17 @@ from exoid.ground.toml_reader import Table, read_toml
 from exoid.symbolic.custom_effect import read_custom_effect
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import LEG, Joint, Origin, check_joints, is_leg, is_spatial
+from exoid.symbolic.joints import (
+    HEAVIEST,
+    LEG,
+    LIGHTEST,
+    SHORTEST,
+    Joint,
+    Origin,
+    check_joints,
+    is_leg,
+    is_spatial,
+)
 from exoid.symbolic.mechanics.body import BodyError
 from exoid.symbolic.model import TABLE_1, UNLIMITED, Limits, Model
 from exoid.symbolic.quantity import JOINTS, Estimate
@@ -258,8 +268,8 @@ def _leg(top: Table) -> Model:
     geometry.only("thigh_length", "gravity")
     return Model(
         name=top.text("name", "unnamed leg"),
-        thigh_length=geometry.number("thigh_length", 0.40, above=0.0, below=2.0),
-        gravity=geometry.number("gravity", 9.81, above=0.0, below=100.0),
+        thigh_length=geometry.number("thigh_length", 0.40, least=SHORTEST, below=2.0),
+        gravity=geometry.number("gravity", 9.81, least=LIGHTEST, below=HEAVIEST),
         limits=_limits(top),
         custom=_custom_effects(top, LEG),
     )
@@ -273,9 +283,10 @@ def _machine(top: Table) -> Model:
     moving = _moving_base(top)
     vector = isinstance(top.values.get("gravity"), list)
     pull = tuple(top.numbers("gravity", 3)) if vector else ()
-    gravity = math.hypot(*pull) if vector else top.number("gravity", 9.81, above=-1e-300, below=100.0)
-    if not gravity < 100.0:
-        raise top.error("gravity", f"gravity is {gravity:g} m/s²", "give m/s²: [0, 0, -9.81]")
+    gravity = math.hypot(*pull) if vector else top.number("gravity", 9.81, least=0.0, below=HEAVIEST)
+    if gravity and not LIGHTEST <= gravity < HEAVIEST:
+        remedy = "give m/s²: " + ("[0, 0, -9.81]" if vector else "9.81, or 0 where none acts in its plane")
+        raise top.error("gravity", f"gravity is {gravity:g} m/s²", remedy)
     entries = top.tables("joints")
     joints = tuple(_joint(entry) for entry in entries)
     try:
@@ -314,7 +325,7 @@ def _moving_base(top: Table) -> bool:
 
 def _joint(entry: Table) -> Joint:
     entry.only("name", "kind", "length", "parent", "axis", "origin", "position", "velocity", "acceleration")
-    length = entry.number("length", below=100.0, least=0.0) if "length" in entry.values else None
+    length = entry.number("length", least=0.0) if "length" in entry.values else None
     parent = entry.text("parent") if "parent" in entry.values else None
     axis, origin = None, None
     if "axis" in entry.values:

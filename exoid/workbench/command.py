@@ -12,6 +12,7 @@ import os
 import sys
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from types import MappingProxyType, ModuleType
 
 from exoid.ground.delivery import together
@@ -201,13 +202,22 @@ def versions() -> Mapping[str, str]:
 
 def _complain(text: str, status: int = BAD_INPUT) -> int:
     """Write `text` to stderr after the name of the program and return `status`."""
-    sys.stderr.write(f"exoid: {printable(text)}\n")
+    _tell(text)
     return status
 
 
-def _note(message: Warning | str, *_: object, **__: object) -> None:
-    """Show a Python warning as one line for a person."""
-    sys.stderr.write(f"exoid: note: {printable(str(message))}\n")
+def _note(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
+    """Show a Python warning as one line for a person; what NumPy says of single numbers tells nobody anything."""
+    if issubclass(category, RuntimeWarning):
+        return
+    _tell(f"note: {message}")
+
+
+def _tell(text: str) -> None:
+    """Write a line to stderr; a full disk or a reader who has gone changes nothing about the answer."""
+    with suppress(OSError):
+        sys.stderr.write(f"exoid: {printable(text)}\n")
+        sys.stderr.flush()
 
 
 if __name__ == "__main__":

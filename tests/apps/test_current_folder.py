@@ -12,6 +12,7 @@ import pytest
 
 from exoid.ground.import_path import HOME, environment_of_workers, workers_import_alike
 from exoid.measurement.reading.read import read_recording
+from tests.waiting import HUNG
 
 ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "exoid" / "workbench" / "demo_data"
@@ -53,7 +54,7 @@ def hostile(tmp_path):
 def started(words, folder, **environment):
     """Run Python with these words there; what was planted must not have run."""
     done = subprocess.run(
-        [sys.executable, *map(str, words)], cwd=folder, capture_output=True, text=True, timeout=300, check=False,
+        [sys.executable, *map(str, words)], cwd=folder, capture_output=True, text=True, timeout=HUNG, check=False,
         env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg", **environment},
     )  # fmt: skip
     assert sorted(path.name for path in folder.rglob("*.ran")) == [], done.stderr

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from exoid.workbench.command import main, verb_parser
+from tests.waiting import HUNG
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted(p for p in (ROOT / "docs").glob("*.md") if "```sh" in p.read_text(encoding="utf-8"))
@@ -99,7 +100,7 @@ def test_the_loop_of_the_readme_runs(four_runs, capsys):
 def test_the_python_of_the_readme_runs(four_runs):
     (script,) = blocks_of_readme("python")
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=False, env=environment(), timeout=120
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, env=environment(), timeout=HUNG
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(("missing:", "ambiguous:"))

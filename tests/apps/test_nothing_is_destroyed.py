@@ -7,6 +7,7 @@ import os
 import signal
 import stat
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from exoid.ground.inputs import open_input, read_input
 from exoid.workbench.command import find_verbs, main, verb_parser
 from exoid.workbench.command_line.files import OutputError, check_json, check_target
 from exoid.workbench.command_line.guard import OUTPUTS, protect_inputs
+from tests.waiting import HUNG, until
 
 HARMLESS = ("t,q1,q2,tau1,tau2", *(f"{k},{k % 7},{k % 5},{k % 3},{k % 11}" for k in range(20)))
 
@@ -125,13 +127,13 @@ def test_what_is_no_file_is_written_into_or_refused_never_replaced(tmp_path):
     heard = []
     reader = threading.Thread(target=lambda: heard.append(pipe.read_text()))
     reader.start()
-    for _ in range(500):
-        try:
-            write_whole(pipe, "x" * 200_000)  # more than a pipe holds
-            break
-        except OSError:
-            reader.join(0.01)
-    reader.join(5)
+
+    def written():
+        with suppress(OSError):  # as long as nobody reads
+            return write_whole(pipe, "x" * 200_000)  # more than a pipe holds
+
+    until(written)
+    reader.join(HUNG)
     assert heard == ["x" * 200_000] and stat.S_ISFIFO(pipe.stat().st_mode)
     (tmp_path / "loop").symlink_to("loop")
     (tmp_path / "folder").mkdir()

@@ -10,6 +10,7 @@ from exoid.measurement.trajectories.trajectory import TrajectoryError, paper_tra
 from exoid.optimisation.excitation.criteria import Noise
 from exoid.workbench.command import find_verbs, main, verb_parser
 from exoid.workbench.command_line.options import between, whole_number
+from tests.waiting import until
 
 WILD = ("nan", "inf", "-inf", "-1", "1e400", "1e999999", "", " ", "abc", "0x10", "1_000_000_000_000_000", "٣e9", "--")
 NUMERIC = ("HZ", "S", "N", "K", "SHARE", "VALUE", "B", "NM", "W", "RMS")
@@ -65,6 +66,30 @@ def test_the_same_from_python():
     for sd in (0.0, -1.0, float("nan"), float("inf"), 1e-300, (1.0, 0.0)):
         with pytest.raises(TrajectoryError):
             Noise.white(sd)
+
+
+LEG = "[geometry]\nthigh_length = {}\ngravity = {}\n"
+CHAIN = 'gravity = {}\n[[joints]]\nname = "a"\nlength = {}\n[[joints]]\nname = "b"\n'
+ARM = """gravity = [0.0, 0.0, -{}]
+[[joints]]
+name = "a"
+axis = [0, 0, 1]
+origin = {{ xyz = [{}, 0, 0] }}
+"""
+
+
+@pytest.mark.parametrize("text, usual", [(LEG, (0.4, 9.81)), (CHAIN, (9.81, 0.4)), (ARM, (9.81, 0.1))])
+@pytest.mark.parametrize("wild", ["1e-300", "1e-30", "1e-9", "1e30", "1e300", "-1e300"])
+def test_a_machine_that_nobody_built_is_refused_with_its_line(text, usual, wild, tmp_path, capsys):
+    """Squares of its lengths are nothing beside the other numbers, or have no place in arithmetic."""
+    for place in range(2):
+        values = [wild if k == place else value for k, value in enumerate(usual)]
+        tiny = text is ARM and place == 1 and float(wild) == abs(float(wild)) < 1.0  # as good as zero, which may be
+        (tmp_path / "model.toml").write_text(text.format(*values).replace("--", "-"))
+        status = main(["effects", "--model", str(tmp_path / "model.toml"), "--quiet"])
+        said = capsys.readouterr().err
+        assert status == (0 if tiny else 2) and "Traceback" not in said, values
+        assert tiny or "model.toml" in said, said
 
 
 def test_a_range_says_itself():
@@ -146,15 +171,15 @@ def test_a_worker_ends_with_the_process_it_works_for(tmp_path):
     import signal
     import subprocess
     import sys
-    import time
+    from contextlib import suppress
     from pathlib import Path
 
     code = (
         "import os, subprocess, sys, time\n"
         'child = "import os, time; from exoid.ground.engines.processes import end_with; end_with(os.getppid()); '
-        'print(os.getpid(), flush=True); time.sleep(60)"\n'
+        'print(os.getpid(), flush=True); time.sleep(3600)"\n'
         "subprocess.Popen([sys.executable, '-c', child])\n"
-        "time.sleep(60)\n"
+        "time.sleep(3600)\n"
     )
     master = subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2]
@@ -163,13 +188,17 @@ def test_a_worker_ends_with_the_process_it_works_for(tmp_path):
         worker = int(said.readline())
     master.send_signal(signal.SIGKILL)
     master.wait()
-    for _ in range(200):
+
+    def gone():
         try:
             os.kill(worker, 0)
         except ProcessLookupError:
-            return
-        if Path(f"/proc/{worker}/stat").exists() and Path(f"/proc/{worker}/stat").read_text().split()[2] == "Z":
-            return
-        time.sleep(0.05)
-    os.kill(worker, signal.SIGKILL)
-    pytest.fail("the worker is still there")
+            return True
+        stat = Path(f"/proc/{worker}/stat")
+        return stat.exists() and stat.read_text().split()[2] == "Z"
+
+    try:
+        until(gone, lambda: "the worker is still there")
+    finally:
+        with suppress(ProcessLookupError):
+            os.kill(worker, signal.SIGKILL)

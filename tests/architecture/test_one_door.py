@@ -12,6 +12,7 @@ import pytest
 
 import exoid
 from tests.architecture.source import PACKAGE, ROOT, SOURCES, imported, telling_nodes
+from tests.waiting import HUNG
 
 DOORS = ("symbolic", "measurement", "optimisation", "diagnosis")
 PARTS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench")
@@ -39,7 +40,7 @@ def test_a_name_that_is_not_there_is_an_attribute_error():
 def python(script, folder, path=ROOT):
     done = subprocess.run(
         [sys.executable, "-c", script],
-        cwd=folder, env={**os.environ, "PYTHONPATH": str(path)}, timeout=60,
+        cwd=folder, env={**os.environ, "PYTHONPATH": str(path)}, timeout=HUNG,
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     return done.stdout, done.stderr

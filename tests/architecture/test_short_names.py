@@ -10,6 +10,8 @@ from types import ModuleType
 
 import pytest
 
+from tests.waiting import HUNG
+
 PACKAGES = ("exoid.symbolic", "exoid.measurement", "exoid.optimisation", "exoid.diagnosis", "exoid.workbench")
 HEAVY = ("numpy", "sympy", "casadi", "scipy", "pandas", "matplotlib")
 
@@ -42,6 +44,6 @@ def test_importing_the_packages_is_cheap():
 
 
 def run(script):
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=HUNG)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()

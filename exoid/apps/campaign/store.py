@@ -18,6 +18,7 @@ from exoid.ground.errors import ExoidError, refused
 from exoid.ground.files import sha256, sha256_file, write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.inside import refuse_links
+from exoid.ground.plain import SPOILT
 
 SCHEMA = "exoid.campaign_job/1"
 LARGEST = 500_000_000
@@ -88,7 +89,7 @@ class JobStore:
             row: dict[str, Any] = found["row"]
             if found["schema"] == SCHEMA and found["key"] == key and found["sha256"] == _checksum(key, row):
                 return row | self.labels(job)
-        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        except (OSError, *SPOILT):
             return None
         return None
 

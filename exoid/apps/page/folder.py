@@ -132,10 +132,11 @@ class SessionFolder:
         write_whole(self.folder / SESSION, text, at_once=True, inside=self.folder)
         self._known = sha256(text)
 
-    def tidy(self, named: Iterable[str], before: Iterable[str]) -> None:
+    def tidy(self, named: Iterable[str], before: Iterable[str], dropped: Path) -> None:
         """Take away the copies that the session does not name: those it named `before`, and those of killed processes.
 
-        A copy of what lies elsewhere is deleted. Any other may be the only one, and goes to a folder beside this one.
+        A copy of what lies elsewhere, or was dropped into the page (a file in `dropped`), is deleted. Any other may be
+        the only one, and goes to a folder beside this one.
         """
         kept = set(named)
         runs = self.folder / RECORDINGS
@@ -146,7 +147,7 @@ class SessionFolder:
             if path.relative_to(self.folder).as_posix() in kept or path.is_symlink() or not path.exists():
                 continue
             source = self._copied.pop(path.name, None)
-            if source is not None and source.exists():
+            if source is not None and (source.exists() or is_inside(source, dropped)):
                 _remove(path)
             else:
                 self._set_aside(path)

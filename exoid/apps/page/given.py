@@ -38,6 +38,12 @@ class Given:
     error: ExoidError | None = None
     read: bool = False
 
+    @property
+    def files(self) -> frozenset[Path]:
+        """The files that it is read from: of what lies in an archive, the archive."""
+        named = (self.path, *(Path(file) for file, _ in self.told.join))
+        return frozenset(next((part for part in (one, *one.parents) if part.is_file()), one) for one in named)
+
 
 def safe_name(name: str) -> str:
     """Return a name under which a dropped file may be stored: its last part, without anything a shell or page obeys."""

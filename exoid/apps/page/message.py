@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.errors import RecordingError, refused
+from exoid.ground.plain import SPOILT
 
 if TYPE_CHECKING:
     from exoid.apps.page.workspace import Workspace
@@ -17,8 +18,6 @@ LONGEST = 1_000_000
 """Bytes of a message; files are no messages."""
 DEEPEST = 16
 """Lists and objects within one another; a box in a plane has two."""
-SPOILT = (TypeError, ValueError, LookupError, ArithmeticError, AttributeError)
-"""What a message raises that does not say what it should."""
 STEPS = ("add", "go", "redo", "remove", "switch", "undo")
 """Actions whose meaning depends on the steps that the page shows."""
 RELOAD = "reload the page"

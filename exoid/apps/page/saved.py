@@ -17,7 +17,7 @@ from exoid.ground.errors import ExoidError, RecordingError, refused
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.lock import LOCK, FolderHeld
-from exoid.ground.plain import plain
+from exoid.ground.plain import SPOILT, plain
 
 if TYPE_CHECKING:
     from exoid.apps.page.workspace import Workspace
@@ -69,7 +69,7 @@ def _write(workspace: Workspace, place: SessionFolder) -> None:
     before = _named(place)
     place.write(json.dumps(plain(content), indent=1, ensure_ascii=False))
     write_whole(place.folder / MODEL, model_toml(workspace), at_once=True, inside=place.folder)
-    place.tidy(_files(content), before)
+    place.tidy(_files(content), before, workspace.place)
 
 
 def _named(place: SessionFolder) -> list[str]:
@@ -120,10 +120,6 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
     workspace.saved = Path(os.path.realpath(folder)) if kept else None
     if place is not None:
         _keep(workspace, place)
-
-
-SPOILT = (KeyError, TypeError, ValueError, OverflowError, RecursionError, AttributeError)
-"""What a session.json that was spoilt raises when it is gone through."""
 
 
 def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) -> None:

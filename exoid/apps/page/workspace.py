@@ -6,6 +6,7 @@ workspace; `version` says when to look again.
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import threading
 import time
@@ -20,6 +21,7 @@ from exoid.apps.page.judging import Judging
 from exoid.apps.page.keeping import Keeping
 from exoid.diagnosis.session.history import History
 from exoid.ground.errors import EffectError, ExoidError, RecordingError
+from exoid.ground.inside import is_inside
 from exoid.ground.lock import private_folder
 from exoid.measurement.signals.methods import BUTTERWORTH
 
@@ -173,10 +175,12 @@ class Workspace:
         self.touch(changed=True)
 
     def remove_file(self, id: int) -> None:
-        """Close a file."""
+        """Close a file; one that was dropped here is deleted."""
         with self.change:
-            self.given.remove(self.find(id))
+            old = self.find(id)
+            self.given.remove(old)
             self._begin_anew()
+            self._delete_dropped([old])
         self.touch(changed=True)
 
     def map_file(self, id: int, told: StatedMapping) -> Given:
@@ -212,10 +216,21 @@ class Workspace:
     def clear(self) -> None:
         """Close everything: files, model, effects and what was done."""
         with self.change:
-            self.given, self.own, self.own_texts, self.history = [], {}, {}, History()
+            before, self.given = self.given, []
+            self.own, self.own_texts, self.history = {}, {}, History()
             self._model, self.model_path, self.model_name = None, None, ""
             self._begin_anew()
+            self._delete_dropped(before)
         self.touch()
+
+    def _delete_dropped(self, closed: Sequence[Given]) -> None:
+        """Delete the files of recordings that were dropped here and are not open any more."""
+        still = {path for one in self.given for path in one.files}
+        for path in {path for one in closed for path in one.files} - still:
+            if is_inside(path, self.place):
+                with contextlib.suppress(OSError):  # Windows does not delete what is being read
+                    path.unlink()
+                    path.parent.rmdir()
 
     def _begin_anew(self) -> None:
         """The recordings are others: what was concluded from them does not hold any more."""

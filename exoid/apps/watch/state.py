@@ -29,6 +29,7 @@ from exoid.apps.watch.window import Window, joined_windows, window
 from exoid.diagnosis.against.questions import Acting
 from exoid.diagnosis.against.result import ChangeFound
 from exoid.ground.errors import ExoidError
+from exoid.ground.plain import SPOILT
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -98,7 +99,7 @@ class WatchState:
                 arrays = {name: found[name] for name in found.files}
             about = json.loads(arrays.pop("about").tobytes())
             right = about["schema"] == SCHEMA and all(x.dtype.kind == "f" for x in arrays.values())
-        except (ValueError, KeyError, TypeError, OSError, EOFError, RecursionError, zipfile.BadZipFile) as error:
+        except (*SPOILT, OSError, EOFError, zipfile.BadZipFile) as error:
             raise _damaged(where) from error
         if not right:
             raise _damaged(where)

@@ -19,7 +19,6 @@ from exoid.diagnosis.evidence.look_alikes import block_losses, refine
 from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from exoid.diagnosis.evidence.score import weigh
 from exoid.symbolic.effect import Coefficient, Effect, Shape
-from exoid.symbolic.joints import UNITS
 from exoid.symbolic.motion import Float
 from exoid.symbolic.term import Term
 
@@ -125,7 +124,7 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
             f"c * exp(-(({word} - m)/w)**2)",
             None,
             (joint,),
-            {"c": Coefficient(UNITS["tau"][not now.model.joints[own - 1].turns])},
+            {"c": Coefficient(now.model.joints[own - 1].unit("tau"))},
             {
                 "m": Shape(known[variable][1], low, high, per_recording=variable.startswith("q")),
                 "w": Shape(known[variable][1], 0.05 * (high - low), 0.3 * (high - low), spacing="log"),

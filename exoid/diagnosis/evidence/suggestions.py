@@ -11,7 +11,6 @@ import numpy as np
 from exoid.diagnosis.evidence.curves import split_variable, variables
 from exoid.diagnosis.evidence.remainder import Remainder, Suggestion
 from exoid.ground.ties import ascending, index_of_least, least_of
-from exoid.symbolic.joints import UNITS
 from exoid.symbolic.motion import Float
 
 PLACES, WIDTHS = np.linspace(0.02, 0.98, 25), np.geomspace(0.01, 0.9, 9)
@@ -28,7 +27,8 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
     """Return closed forms for a learnt curve, best first: a bump, a step, a wave, powers."""
     word = _word(one)
     x, y = one.x, one.y - one.y.mean()
-    unit, torque = variables(one.joints)[one.variable][1], UNITS["tau"][not one.joints[one.index].turns]
+    torque = one.joints[one.index].unit("tau")
+    unit = torque if one.variable == "load" else variables(one.joints)[one.variable][1]
     span = float(np.ptp(x))
     factor = {"sign": " * sgn(dtheta)", "speed": " * dtheta"}.get(one.factor, "")
     forms = (
@@ -58,8 +58,7 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
         if "/w" in text:
             values["w"] = (unit, low[1], high[1], float(best[1]))
         power = {"**2": "²", "**3": "³"}
-        speed = UNITS["q"][not one.joints[one.index].turns]
-        per = f"{torque}·s/{speed}" if one.factor == "speed" else torque
+        per = f"{torque}·s/{one.joints[one.index].unit('q')}" if one.factor == "speed" else torque
         per += f"/({unit}){power[text.split('- m)')[1][:3]]}" if "/w" not in text else ""
         out.append(Suggestion(text, share, {"c": per}, values))
     return tuple(ascending((s for s in out if s.share > 0.3), lambda s: -s.share, 1.0))

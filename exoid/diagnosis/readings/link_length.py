@@ -14,7 +14,8 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.effect import Coefficient, Effect
-from exoid.symbolic.joints import parents
+from exoid.symbolic.joints import ancestors, parents
+from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.model import Model
 
 
@@ -37,9 +38,15 @@ EFFECT = Effect(
 
 
 def entry(model: Model, prepared: Prepared) -> Effect | None:
-    """Return the entry, at every link from which another hangs; None for the leg and where channels are misread."""
-    carrying = {above for above in parents(model.chain) if above is not None}
-    places = tuple(joint.name for k, joint in enumerate(model.chain) if k in carrying and joint.length)
+    """Return the entry, at every link from which another hangs and in whose length the torque is linear; None for the
+    leg and where channels are misread.
+    """
+    joints = model.chain
+    carrying = {above for above in parents(joints) if above is not None}
+    # Where the mass of what hangs further out is a number of its own (behind a sliding joint), a length enters squared.
+    found = base_parameters(joints, model.pull, model.moving_base)
+    squared = {k for one in found if one.kind == "m" for k in ancestors(joints, one.link)[:-1]}
+    places = tuple(joint.name for k, joint in enumerate(joints) if k in carrying - squared and joint.length)
     return replace(EFFECT, joints=places) if places and not prepared.misread else None
 
 

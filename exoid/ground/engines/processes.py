@@ -16,6 +16,8 @@ from exoid.ground.engines.engine import AHEAD, Engine, EngineError, Job, complet
 from exoid.ground.extras import needing
 from exoid.ground.import_path import SAFE, workers_import_alike
 
+QUIET = "ignore:resource_tracker:UserWarning"
+"""What the helpers, which clear away after a Ctrl-C, need not tell: that there was something to clear away."""
 IDLE = 10.0
 """Seconds after which a process without work ends, also when nobody is left to end it."""
 
@@ -80,7 +82,7 @@ def _loky(name: str, count: int, environment: dict[str, str], ahead: int = AHEAD
     with needing("rivals", "jobs in processes of their own", "joblib", error=EngineError):
         from joblib.externals.loky import ProcessPoolExecutor
         from joblib.externals.loky.backend import resource_tracker as of_loky
-    with workers_import_alike():  # helpers, else started with the first worker, which take no environment
+    with workers_import_alike(PYTHONWARNINGS=QUIET):  # helpers, else started with a worker, which take no environment
         of_loky.ensure_running()
         of_python.ensure_running()
     executor = ProcessPoolExecutor(

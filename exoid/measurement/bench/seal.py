@@ -8,7 +8,6 @@ is not altered by accident either.
 from __future__ import annotations
 
 import base64
-import binascii
 import hashlib
 import json
 import zlib
@@ -21,7 +20,7 @@ from exoid.ground.delivery import where
 from exoid.ground.errors import ExoidError, refused
 from exoid.ground.files import sha256_file, write_whole
 from exoid.ground.inputs import read_input
-from exoid.ground.plain import AsJson
+from exoid.ground.plain import SPOILT, AsJson
 
 NOTE = "Sealed truth of blind recordings. Diagnose first; then: exoid reveal"
 KIND = "exoid seal 1"
@@ -31,7 +30,7 @@ LARGEST = 4_000_000
 EVEN = 1200
 """Characters that truth and filler have together: a short seal would tell that little or nothing is hidden."""
 
-DAMAGE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, binascii.Error, zlib.error)
+DAMAGE = (*SPOILT, zlib.error)
 """What unpacking a file raises that is no seal."""
 
 

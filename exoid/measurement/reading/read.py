@@ -24,7 +24,7 @@ from exoid.measurement.auditing.unusable import mask_unusable, without_rounding
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.columns import assign, inferred, legs
 from exoid.measurement.reading.conventions import read_as
-from exoid.measurement.reading.frames import table_from
+from exoid.measurement.reading.frames import is_table, table_from
 from exoid.measurement.reading.join import joined_pieces
 from exoid.measurement.reading.large import in_stretches
 from exoid.measurement.reading.made_times import join_split
@@ -92,7 +92,7 @@ def read_recording(
 
 
 def read_recordings(
-    sources: str | Path | Sequence[str | Path],
+    sources: Any,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     *,
@@ -101,7 +101,8 @@ def read_recordings(
     progress: Progress | None = None,
     **more: Unpack[HowRead],
 ) -> tuple[Recording, ...]:
-    """Return the recordings in `sources`: one or several files, folders, patterns ("runs/*.csv") and ZIP archives.
+    """Return the recordings in `sources`: one or several files, folders, patterns ("runs/*.csv"), ZIP archives, and
+    tables in memory.
 
     `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
     read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
@@ -109,7 +110,24 @@ def read_recordings(
     whose `leg`, `convention`, `join`, `only` and `passive` it takes too.
     """
     told = how_read(columns, units, **more)
-    return tuple(one for path in expand(sources) for one in read_as_told(path, told, joints, progress, most_bytes))
+    single = isinstance(sources, (str, Path)) or is_table(sources) or not isinstance(sources, Iterable)
+    parts = [sources] if single else list(sources)
+    wrong = next((part for part in parts if not (isinstance(part, (str, Path)) or is_table(part))), None)
+    if wrong is not None:
+        remedy = "give paths, folders, patterns, ZIP archives or tables"
+        raise RecordingError(f"a {type(wrong).__name__} is not read as a recording", remedy=remedy)
+    tables = sum(map(is_table, parts))
+    if not tables:
+        return tuple(one for path in expand(parts) for one in read_as_told(path, told, joints, progress, most_bytes))
+    machine = None if joints is None else tuple(joints)
+    found: list[Recording] = []
+    for place, part in enumerate(parts, start=1):
+        if is_table(part):
+            found += _of_every_leg(part, told, machine, f"table {place}" if tables > 1 else "")
+        else:
+            files = expand(part)
+            found += (one for path in files for one in read_as_told(path, told, joints, progress, most_bytes))
+    return tuple(found)
 
 
 def how_read(
@@ -146,18 +164,18 @@ def read_as_told(
     return found
 
 
-def _of_every_leg(path: str | Path, told: StatedMapping, machine: Machine) -> tuple[Recording, ...]:
-    """Return the recording in a file, or those of both legs where that is told."""
-    table, origin, name, told = _whole(path, told, "", machine)
+def _of_every_leg(source: Any, told: StatedMapping, machine: Machine, name: str = "") -> tuple[Recording, ...]:
+    """Return the recording in a file or a table, or those of both legs where that is told."""
+    table, origin, name, told = _whole(source, told, name, machine)
     if told.leg != "both":
         return (_finished(table, origin, name, told, machine),)
     if set(told.columns) - {"t"}:
         what = "--map names the columns of one leg"
-        raise RecordingError(what, where=str(path), remedy="read --leg left and --leg right one by one")
+        raise RecordingError(what, where=origin.path or name, remedy="read --leg left and --leg right one by one")
     sides = legs(table, machine or LEG)
     if not sides:
         what = "no leg has all its angles and torques in this file"
-        raise RecordingError(what, where=str(path), remedy="read one leg, with --map")
+        raise RecordingError(what, where=origin.path or name, remedy="read one leg, with --map")
     return tuple(_finished(table, origin, f"{name} ({side})", replace(told, leg=side), machine) for side in sides)
 
 

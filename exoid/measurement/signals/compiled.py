@@ -19,6 +19,10 @@ FEWEST = 2
 """Rows from which on filtering in C is worth its call; fewer are filtered by products."""
 
 
+FUNCTIONS = ("exoid_both_ways_at", "exoid_bridge", "exoid_pentadiagonal", "exoid_wave_products")
+"""What is called in `rows.c`."""
+
+
 class BridgeInC(Structure):
     """A `Bridge` as C reads it; whoever makes one keeps its arrays."""
 
@@ -32,7 +36,7 @@ class BridgeInC(Structure):
 def row_library(poles: int) -> CompiledLibrary | None:
     """Return `exoid_both_ways_at` for filters of so many poles, and the other functions; None without a compiler."""
     text = f"#define POLES {poles}\n{Path(__file__).with_name('rows.c').read_text('utf-8')}"
-    return load_library("rows", text, FAST, lambda: GeneratedC(text, FAST, {}))
+    return load_library("rows", text, FAST, lambda: GeneratedC(text, FAST, {}), FUNCTIONS)
 
 
 def solved_banded(bands: Float, right: Float) -> Float:

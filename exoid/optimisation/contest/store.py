@@ -15,6 +15,7 @@ import numpy as np
 
 from exoid.ground.files import sha256, write_whole
 from exoid.ground.inputs import read_input
+from exoid.ground.plain import SPOILT
 from exoid.optimisation.contest.problem import Outcome
 from exoid.optimisation.contest.subject import ContestSubject
 from exoid.optimisation.fitting.settings import Search
@@ -24,8 +25,6 @@ LARGEST = 50_000_000
 """Bytes; a run has some thousands of improvements at most."""
 SAME = 1e-9
 """Difference of two gaps that is rounding."""
-DAMAGE = (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError, RecursionError)
-"""What reading a file raises that is no run."""
 
 
 class RunStore:
@@ -55,7 +54,7 @@ class RunStore:
                 return outcome
         except FileNotFoundError:
             return None
-        except DAMAGE:
+        except (OSError, *SPOILT):
             pass
         self.damaged += 1
         return None

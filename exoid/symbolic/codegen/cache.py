@@ -12,7 +12,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from typing import Any
 from exoid.ground.cache import cache_folder, distrust, read_trusted
 from exoid.ground.delivery import sweep
 from exoid.ground.files import sha256, sha256_file
+from exoid.ground.plain import SPOILT
 from exoid.symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
 from exoid.symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, processor
 
@@ -49,18 +50,19 @@ class CompiledLibrary:
 
 
 def load_library(
-    kind: str, content: Any, flags: tuple[str, ...], generate: Callable[[], GeneratedC]
+    kind: str, content: Any, flags: tuple[str, ...], generate: Callable[[], GeneratedC], functions: Iterable[str]
 ) -> CompiledLibrary | None:
-    """Return the library for `content` (plain data), generating and compiling it only where the cache has
-    none.
+    """Return the library for `content` (plain data) with its `functions`, generating and compiling it only where the
+    cache has none.
 
     None (with one warning) where there is no compiler or it fails: the caller then takes the slow path.
     """
+    wanted = tuple(functions)
     compiler = find_compiler()
     if compiler is None:
         return None
     entry = cache_folder() / f"{kind}-{_key(content, compiler, flags)[:40]}"
-    found = _open(entry)
+    found = _open(entry, wanted)
     if found is not None:
         return found
     try:
@@ -68,7 +70,10 @@ def load_library(
     except (CompilerError, OSError) as error:
         warn_slow(str(error))
         return None
-    return _open(entry)
+    found = _open(entry, wanted)
+    if found is None:
+        warn_slow(f"what {compiler.path} made of the generated code cannot be used")
+    return found
 
 
 def _key(content: Any, compiler: Compiler, flags: tuple[str, ...]) -> str:
@@ -76,8 +81,10 @@ def _key(content: Any, compiler: Compiler, flags: tuple[str, ...]) -> str:
     return sha256(canonical_json(parts))
 
 
-def _open(entry: Path) -> CompiledLibrary | None:
-    """Load an entry after checking that nobody else made it, and its seal; any other is removed."""
+def _open(entry: Path, functions: Iterable[str]) -> CompiledLibrary | None:
+    """Load an entry after checking that nobody else made it, its seal, and that the functions are in it; any other is
+    removed.
+    """
     if not os.path.lexists(entry):
         return None
     try:
@@ -87,9 +94,9 @@ def _open(entry: Path) -> CompiledLibrary | None:
         intact = all(sha256(content[name]) == seal[name] for name in (LIBRARY, RECORD))
         record = json.loads(content[RECORD]) if intact else None
         library = ctypes.CDLL(str(entry / LIBRARY)) if intact else None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, *SPOILT):
         record = library = None
-    if library is None or record is None:
+    if library is None or not isinstance(record, dict) or not all(hasattr(library, name) for name in functions):
         _discard(entry)
         return None
     return CompiledLibrary(library, record)

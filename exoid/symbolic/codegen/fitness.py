@@ -172,7 +172,7 @@ def kernel_for(entries: Entries, size: int, joints: int) -> CompiledLibrary | No
     key = repr(content)
     if key not in _LOADED:
         source = lambda: GeneratedC(kernel_source(entries, size, joints), FAST, {})  # noqa: E731
-        found = load_library("fitness", content, FAST, source)
+        found = load_library("fitness", content, FAST, source, ("exoid_fitness",))
         if found is None:
             return None
         _LOADED[key] = found

@@ -172,7 +172,7 @@ def information(
     pointwise = not memory_operations(model)
     if pointwise and backend == "auto":
         content = [model_data(model), harmonics]
-        library = load_library("gram", content, FAST, lambda: information_code(model, harmonics))
+        library = load_library("gram", content, FAST, lambda: information_code(model, harmonics), ("exoid_gram",))
     if library is not None:
         entries = tuple((int(j), int(p), int(r)) for j, p, r in library.record["entries"])
     return Information(

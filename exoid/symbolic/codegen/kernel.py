@@ -189,7 +189,10 @@ def compiled(model: Model, backend: str = "auto") -> Compiled:
 
 
 def _make(model: Model, backend: str) -> Compiled:
-    library = None if backend == "vm" else load_library("model", model_data(model), EXACT, lambda: _source(model))
+    library = None
+    if backend != "vm":
+        names = (f"leg_{name}_many" for name in ("columns", *widths(len(model.joints), model.spatial)))
+        library = load_library("model", model_data(model), EXACT, lambda: _source(model), names)
     if library is not None:
         entries = tuple((int(j), int(p)) for j, p in library.record["entries"])
         return Compiled(model, entries, bool(library.record["needs_reference"]), library, {})

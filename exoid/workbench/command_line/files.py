@@ -17,7 +17,7 @@ from exoid.ground.errors import ExoidError, refused
 from exoid.ground.inputs import read_input
 from exoid.ground.inside import refuse_links
 from exoid.ground.plain import plain
-from exoid.workbench.terminal.encoding import spells
+from exoid.workbench.terminal.encoding import is_closed, spells
 
 LARGEST_JSON = 100_000_000
 """Bytes of a result that is read back; those of exoid have at most a few million."""
@@ -112,6 +112,8 @@ def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None
 
 def check_json(path: str) -> None:
     """Refuse a --json that cannot be written, or would replace what is no JSON."""
+    if path == "-" and is_closed(sys.stdout):
+        raise OutputError("standard output is closed", where="--json -", remedy="name a file, or leave it open")
     if path != "-":
         check_target(path, lambda content: not content.strip() or content.lstrip()[:1] in (b"{", b"["))
 

@@ -1,13 +1,17 @@
-"""Text for terminals and files that know no Greek: "N·m" becomes "N*m", not "N?m"."""
+"""Text for terminals and files that know no Greek: "N·m" becomes "N*m", not "N?m"; and for streams that are closed."""
 
 from __future__ import annotations
 
 import codecs
+import io
+import os
 import sys
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TextIO
 
+STDERR = 2
+"""The last of the numbers that standard streams have."""
 HANDLER = "exoid-ascii"
 """Name of the error handler that `install` registers."""
 
@@ -41,8 +45,32 @@ def spells(stream: TextIO, sample: str = "θ·█") -> bool:
     return True
 
 
+_NOWHERE: list[TextIO] = []
+"""Streams in the place of closed ones."""
+
+
+def is_closed(stream: TextIO) -> bool:
+    """Whether what is written to a standard stream comes to nobody: it was closed (`>&-`)."""
+    return any(stream is one for one in _NOWHERE)
+
+
+def _open_closed() -> None:
+    """Let standard streams that are closed lead nowhere: a file that is opened would get their number, and hold what is
+    meant for them.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= STDERR:
+        os.set_inheritable(number, True)
+    os.close(number)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            stream = io.TextIOWrapper(open(os.devnull, f"{mode}b"), "utf-8")  # noqa: SIM115 - as long as we live
+            setattr(sys, name, stream)
+            _NOWHERE.append(stream)
+
+
 def install() -> None:
     """Make standard output and error spell what their encoding lacks, so that nothing is a traceback or a "?"."""
+    _open_closed()
     codecs.register_error(HANDLER, _handle)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

@@ -12,9 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import HUNG
+
 ROOT = Path(__file__).parents[3]
-PATIENCE = 180_000
-"""Milliseconds until a page counts as stuck; a busy machine may take long."""
+PATIENCE = 1000.0 * HUNG
+"""Milliseconds until a page counts as stuck."""
 
 
 @pytest.fixture(scope="session")
@@ -41,7 +43,7 @@ class Server:
     def end(self, how=signal.SIGINT):
         if self.process.poll() is None:
             self.process.send_signal(how)
-        return self.process.wait(timeout=60)
+        return self.process.wait(timeout=HUNG)
 
 
 @pytest.fixture

@@ -15,16 +15,15 @@ from exoid.apps.page.workspace import Workspace
 from exoid.measurement import simulate, write_recording
 from exoid.symbolic import Joint, Model, write_model
 from exoid.workbench.commands.demo import DATA
+from tests.waiting import HUNG
 
-PATIENCE = 180.0
-"""Seconds until something counts as stuck."""
 MISSING = "load_friction:knee"
 
 
 def wait_for(workspace, true):
     began = time.monotonic()
     while not true(shown := state(workspace)):
-        assert time.monotonic() - began < PATIENCE, shown
+        assert time.monotonic() - began < HUNG, shown
         workspace.wait(workspace.version, 0.5)
     return shown
 

@@ -22,6 +22,7 @@ from exoid.apps.page.workspace import Workspace
 from exoid.ground.delivery import PREFIX
 from exoid.ground.errors import RecordingError
 from exoid.ground.files import sha256
+from exoid.ground.lock import LOCK
 from exoid.workbench.command import main
 from exoid.workbench.commands.demo import DATA
 
@@ -93,6 +94,32 @@ def test_a_closed_recording_leaves_the_folder_and_is_not_lost(runs, workspace, t
     assert list(contents(kept).values()) == [runs["a"].read_text()]
     (aside,) = (tmp_path / "kept-closed").iterdir()
     assert aside.read_text() == HEAD + "0,0,0,1,0\n" and len(list((kept / "recordings").iterdir())) == 1
+
+
+def test_dropped_recordings_that_are_closed_are_nowhere_any_more(runs, workspace, tmp_path):
+    """Their only copies were the page's own, and the disk of who drops and closes all day would fill."""
+    space = workspace()
+    keep_in(space, tmp_path / "kept")
+    for number in range(20):
+        place = space.drop_place("run.csv")
+        place.write_text(HEAD + f"0,0,0,{number},0\n")
+        space.add_file(place, f"run{number}.csv")
+    with zipfile.ZipFile(space.drop_place("runs.zip"), "w") as archive:
+        archive.write(runs["a"], "deep/a.csv")
+        archive.write(runs["b"], "deep/b.csv")
+    for name in ("a", "b"):
+        space.add_file(Path(archive.filename) / "deep" / f"{name}.csv", f"{name}.csv")
+    save(space, tmp_path / "kept")
+    assert len(files(tmp_path / "kept" / "recordings")) == 22
+    for one in list(space.given)[:-1]:
+        space.remove_file(one.id)
+        save(space, tmp_path / "kept")
+    assert {*files(space.place)} - {LOCK} == {Path(archive.filename).relative_to(space.place).as_posix()}
+    assert list(contents(tmp_path / "kept")) == ["b.csv"] and len(files(tmp_path / "kept" / "recordings")) == 1
+    space.remove_file(space.given[0].id)
+    save(space, tmp_path / "kept")
+    assert os.listdir(space.place) == [LOCK] and not files(tmp_path / "kept" / "recordings")
+    assert runs["a"].exists() and not (tmp_path / "kept-closed").exists()
 
 
 def test_what_others_put_there_stays(runs, workspace, tmp_path):

@@ -8,7 +8,6 @@ import signal
 import stat
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -20,6 +19,7 @@ from exoid.apps.page.message import STEPS, obey, read_message
 from exoid.apps.page.workspace import Workspace
 from exoid.ground.errors import RecordingError
 from exoid.workbench.commands.demo import DATA
+from tests.waiting import HUNG, until
 
 ROOT = Path(__file__).parents[3]
 NESTED = "[" * 100_000 + "]" * 100_000
@@ -47,7 +47,7 @@ def asked(server, path, body=None, method=None):
     data = None if body is None else body.encode("latin-1") if isinstance(body, str) else body
     request = urllib.request.Request(f"{address}{path}", data, {"X-Exoid-Token": token}, method=method)
     try:
-        with urllib.request.urlopen(request, timeout=60) as answer:
+        with urllib.request.urlopen(request, timeout=HUNG) as answer:
             return answer.status, json.loads(answer.read())
     except urllib.error.HTTPError as error:
         with error:
@@ -134,10 +134,7 @@ def test_the_token_is_in_no_list_of_processes_and_a_browser_in_the_terminal_keep
 ):
     assert asked(started, "/api/state")[0] == 200  # while the browser stays
     seen = tmp_path / "browser.seen"
-    for _ in range(600):
-        if seen.exists() and seen.read_text():
-            break
-        time.sleep(0.1)
+    until(lambda: seen.exists() and seen.read_text())
     token = started.url.partition("token=")[2]
     address = seen.read_text()
     assert address.startswith("file:///") and token not in address
@@ -153,7 +150,7 @@ def test_what_was_dropped_is_cleared_away_however_it_ends(number, started, tmp_p
     assert asked(started, "/api/file?name=run.csv", content, "PUT")[0] == 200
     assert any(path.name == "run.csv" for path in (tmp_path / "tmp").rglob("*"))
     started.send_signal(getattr(signal, number))
-    assert started.wait(timeout=60) == 0
+    assert started.wait(timeout=HUNG) == 0
     assert not [path for path in (tmp_path / "tmp").rglob("*") if path.is_file()]
 
 

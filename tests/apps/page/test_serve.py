@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import HUNG
+
 DRAWING = """
 import threading, time
 from matplotlib.figure import Figure
@@ -42,7 +44,7 @@ def test_what_still_works_is_waited_for_and_never_aborts(tmp_path, endless, writ
         picture=str(tmp_path / "x.png"), written=str(written), endless=endless, writing=writing, patience=patience
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=Path(__file__).parents[3], capture_output=True, text=True, timeout=120
+        [sys.executable, "-c", code], cwd=Path(__file__).parents[3], capture_output=True, text=True, timeout=HUNG
     )
     assert done.returncode == 0, done.stderr
     assert written.exists() and done.stderr == ""

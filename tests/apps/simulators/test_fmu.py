@@ -263,6 +263,36 @@ def test_a_state_that_was_kept_comes_back(exported, tmp_path, version):
     one.close()
 
 
+@compiles
+@pytest.mark.parametrize("kind", ["inverse", "forward", "estimator"])
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_step_that_is_none_is_refused_and_nothing_has_happened(exported, tmp_path, version, kind):
+    """Also a time, an input and a state that are no numbers; a step of 1e308 s would never come back."""
+    from fmpy.fmi1 import FMICallException
+
+    one = Driven(exported[2][f"leg_{kind}_fmi{version[0]}.fmu"], tmp_path)
+    one.began()
+    one.step(0.0, 0.1)
+    before = one.get(list(one.place))
+    for t, h in ((0.1, np.nan), (0.1, -1.0), (0.1, 1e308), (0.1, np.inf), (np.nan, 0.1), (-np.inf, 0.1)):
+        with pytest.raises(FMICallException):
+            one.step(t, h)
+    with pytest.raises(FMICallException):
+        one.set(["q.hip"], [np.nan])
+    np.testing.assert_array_equal(one.get(list(one.place)), before)
+    one.step(0.1, 0.1)
+    one.close()
+
+
+@compiles
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_start_that_is_no_time_is_refused(exported, tmp_path, version):
+    from fmpy.fmi1 import FMICallException
+
+    with pytest.raises(FMICallException):
+        Driven(exported[2][f"leg_inverse_fmi{version[0]}.fmu"], tmp_path, np.nan)
+
+
 def test_without_a_compiler_the_sources_are_there(monkeypatch, tmp_path):
     monkeypatch.setattr("exoid.apps.simulators.fmu.find_compiler", lambda: None)
     model, numbers = plain()

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from exoid.workbench.command import main
+from tests.waiting import HUNG, until
 
 ROOT = Path(__file__).parents[3]
 HEADER = "t,q1,q2,tau1,tau2\n"
@@ -23,13 +24,15 @@ def rows(first: int, last: int) -> str:
 
 
 def wait_for(path: Path, text: str, count: int, process: subprocess.Popen[str]) -> None:
-    """Wait until `text` is there so often; what waits in vain fails by the end of the process or of patience."""
-    for _ in range(2400):
+    """Wait until `text` is there so often; AssertionError where the process ends before."""
+
+    def there() -> bool:
         if path.exists() and path.read_text(encoding="utf-8").count(text) >= count:
-            return
+            return True
         assert process.poll() is None, process.communicate()
-        time.sleep(0.05)
-    raise AssertionError(path.read_text(encoding="utf-8"))
+        return False
+
+    until(there, lambda: path.read_text(encoding="utf-8"))
 
 
 def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: Path) -> None:
@@ -51,7 +54,7 @@ def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: 
         log.write_text(HEADER + "again\n", encoding="utf-8")
         wait_for(out, '"skipped"', 4, process)
         process.send_signal(signal.SIGINT)
-        said, complaints = process.communicate(timeout=120)
+        said, complaints = process.communicate(timeout=HUNG)
     finally:
         if process.poll() is None:
             process.kill()
@@ -108,7 +111,7 @@ def test_whatever_ends_it_there_is_a_summary(tmp_path: Path, name: str, piped: b
             process.stdin.flush()
         wait_for(out, '"start"', 1, process)
         process.send_signal(getattr(signal, name))
-        complaints = process.communicate(timeout=120)[1]
+        complaints = process.communicate(timeout=HUNG)[1]
     finally:
         if process.poll() is None:
             process.kill()

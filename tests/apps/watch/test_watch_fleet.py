@@ -7,7 +7,6 @@ import shutil
 import socket
 import subprocess
 import sys
-import time
 import urllib.request
 from argparse import Namespace
 from functools import cache
@@ -28,6 +27,7 @@ from exoid.measurement.bench.simulation import Bench, run_bench
 from exoid.symbolic.model import Model
 from exoid.workbench.command import main
 from exoid.workbench.command_line.parser import UsageError
+from tests.waiting import HUNG, until
 
 LEARN = 8
 """Blocks that say what is usual: the least that sets thresholds in a test."""
@@ -123,7 +123,7 @@ def test_numbers_and_counts_are_scraped_on_the_loopback_address(learnt):
     try:
         scraped.take({"event": "change"})
         scraped.look(learnt, 100)
-        with urllib.request.urlopen(f"http://127.0.0.1:{scraped.port}/metrics", timeout=10) as answer:
+        with urllib.request.urlopen(f"http://127.0.0.1:{scraped.port}/metrics", timeout=HUNG) as answer:
             text = answer.read().decode()
         with pytest.raises(UsageError, match="cannot be taken"):
             Scraped(scraped.port, "leg-7")
@@ -149,11 +149,7 @@ def broker(tmp_path):
     (tmp_path / "broker.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
     process = subprocess.Popen([program, "-c", str(tmp_path / "broker.conf")], stderr=subprocess.DEVNULL)
     try:
-        for _ in range(200):
-            with socket.socket() as one:
-                if not one.connect_ex(("127.0.0.1", port)):
-                    break
-            time.sleep(0.05)
+        until(lambda: _answers(port))
         yield port
     finally:
         process.kill()
@@ -188,12 +184,9 @@ def test_events_reach_an_mqtt_broker(broker):
     assert [p for t, p in got if t == "lab/leg-7/status"] == ["online", "offline"]
 
 
-def until(right):
-    for _ in range(400):
-        if right():
-            return
-        time.sleep(0.05)
-    raise AssertionError("it never came")
+def _answers(port):
+    with socket.socket() as one:
+        return not one.connect_ex(("127.0.0.1", port))
 
 
 @pytest.mark.parametrize("address", ["host", "http://host", "mqtt://", "mqtt://user:secret@host", "mqtt://host/a/#"])

@@ -41,4 +41,4 @@ def kernel(values: Mapping[str, Any]) -> Any:
 
 @cache
 def _loaded(text: str) -> CompiledLibrary | None:
-    return load_library("estimator", text, EXACT, lambda: GeneratedC(text, EXACT, {}))
+    return load_library("estimator", text, EXACT, lambda: GeneratedC(text, EXACT, {}), ("exoid_estimate",))
