@@ -103,7 +103,8 @@ def refitted(
     rules, scale = context.rules, extension.fitted.scale
     able = [s for s in rivals if s.name not in failed][: rules.refitted]
     tried, elsewhere = _refits(context, extension, [*able, *(s for s in rivals if s.name in failed)])
-    losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
+    by_joint = {score.name: found.fitted.joint_losses(scale, rules) for score, found in tried}
+    losses = {name: loss.sum(axis=0) for name, loss in by_joint.items()}
     tried = [p for p in tried if p[0].name not in failed]
     if not tried:
         return None
@@ -131,6 +132,12 @@ def refitted(
         return None
     wanted = {*behind_best, *alike} - elsewhere
     others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
+    # What makes another joint's error smaller, and not this one's, is another effect, however much that may be.
+    at, own = list(score.candidate.joints), by_joint[score.name]
+    elsewhere |= {
+        name for name, loss in by_joint.items() if max(map(lag, loss[at], own[at]), default=0.0) >= rules.clear
+    }
+    others = [s for s in others if s.name not in elsewhere]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
     behind = {name: lag(loss, losses[score.name]) for name, loss in losses.items()}
