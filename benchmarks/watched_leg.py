@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from exoid.diagnosis.watching.front import CUTOFF
+from exoid.apps.watch.front import CUTOFF
 from exoid.measurement.bench.deflection import at_encoders, rigid_torque
 from exoid.measurement.bench.equation import split_channel
 from exoid.measurement.bench.hidden import Hidden, true_model

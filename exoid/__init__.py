@@ -33,6 +33,8 @@ _ELSEWHERE = {
     "mechanics": "exoid.symbolic.mechanics.lagrange",  # `exoid.symbolic.mechanics` is a folder
 }
 
+_PACKAGES = ("symbolic", "measurement", "optimisation", "diagnosis")
+
 
 def __getattr__(name: str) -> object:
     """Look a name up in the packages at its first use (PEP 562); AttributeError where none of them has it.
@@ -45,9 +47,11 @@ def __getattr__(name: str) -> object:
         return getattr(import_module(_ELSEWHERE[name]), name)
     if name == "__all__" or not name.startswith("_"):
         homes = {}
-        for package in ("symbolic", "measurement", "optimisation", "diagnosis"):
+        from exoid.ground.folder import apps
+
+        for package in (*_PACKAGES, *(f"apps.{app}" for app in apps())):
             module = import_module(f"exoid.{package}")
-            homes |= dict.fromkeys(module.__all__, module)
+            homes |= dict.fromkeys(getattr(module, "__all__", ()), module)
         if name == "__all__":
             return [*homes, *_ELSEWHERE]
         if name in homes:

@@ -1,5 +1,7 @@
 """The names of all packages for type checkers and editors; at run time `__init__.py` finds them."""
 
+from .apps.paper import *  # noqa: F403
+from .apps.watch import *  # noqa: F403
 from .diagnosis import *  # noqa: F403
 from .ground.errors import ExoidError as ExoidError
 from .ground.figures import figure_style as figure_style

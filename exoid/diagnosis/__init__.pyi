@@ -8,6 +8,3 @@ from .evidence.fitted import fitted_model as fitted_model
 from .extend import add as add
 from .separation.design import separate as separate
 from .session.session import Session as Session
-from .watching.replay import replay as replay
-from .watching.watch import follow as follow
-from .watching.watch import watch as watch

@@ -22,13 +22,12 @@ from exoid.diagnosis.plots import against
 from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.torques import torques_over_time
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
-from exoid.ground.calling import understood
 from exoid.ground.frames import pandas
 from exoid.ground.html import picture, table
 from exoid.ground.plain import AsJson, by_name
 from exoid.measurement.finding import Finding
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, of_the_leg, question_of
+from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.signals.methods import BUTTERWORTH
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -167,11 +166,9 @@ class Comparison(Reported, AsJson):
         }  # fmt: skip
 
 
-@of_the_leg
-@understood()
 def compare(
-    model: Model | Fit,
-    recordings: Given,
+    model: Model | Fit | Given | None = None,
+    recordings: Given | None = None,
     verify: Given = (),
     *,
     cutoff: float | None = None,
@@ -179,13 +176,14 @@ def compare(
 ) -> Comparison:
     """Fit `model` to `recordings` (or take a Fit as it is) and hold it against them and `verify`.
 
-    Both are what `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses recordings
+    Both are what `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many; alone they are of the
+    standard leg. Refuses recordings
     that are too short or do not determine the model.
     """
-    model, recordings, verify = question_of(model, recordings, verify)
-    leg: Model = model.model if isinstance(model, Fit) else pushed_model(model, (*recordings, *verify))
+    asked, recordings, verify = question_of(model, recordings, verify)
+    leg: Model = asked.model if isinstance(asked, Fit) else pushed_model(asked, (*recordings, *verify))
     prepared = prepare(leg, recordings, verify, cutoff=cutoff, derivative=derivative)
-    fit = model if isinstance(model, Fit) else identify(leg, prepared.train, optimisers=())
+    fit = asked if isinstance(asked, Fit) else identify(leg, prepared.train, optimisers=())
     return compare_prepared(fit, prepared)
 
 

@@ -30,9 +30,8 @@ from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swaye
 from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
 from exoid.ground.engines.workers import once, with_copies
 from exoid.ground.progress import Progress, silent
-from exoid.ground.settings import spelt_out
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, of_the_leg, question_of
+from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -40,11 +39,9 @@ from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
 
 
-@of_the_leg
-@spelt_out(DiscoverySettings)
 def discover(
-    model: Model | Fit,
-    recordings: Given,
+    model: Model | Fit | Given | None = None,
+    recordings: Given | None = None,
     verify: Given = (),
     settings: DiscoverySettings | None = None,
     *,
@@ -55,12 +52,13 @@ def discover(
 
     `verify` are recordings that are never fitted and must improve. The user's own effects that the model declares
     (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Recordings are what
-    `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses those that are too short,
+    `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many; alone they are of the standard
+    leg. Refuses those that are too short,
     too slow or do not determine the model.
     """
-    model, recordings, verify = question_of(model, recordings, verify)
-    model = pushed_model(model.model if isinstance(model, Fit) else model, (*recordings, *verify))
-    question = Question(model, DiscoverySettings.chosen(settings, changes))
+    asked, recordings, verify = question_of(model, recordings, verify)
+    machine = pushed_model(asked.model if isinstance(asked, Fit) else asked, (*recordings, *verify))
+    question = Question(machine, DiscoverySettings.chosen(settings, changes))
     return answer_of(question, recordings, verify, progress or silent)
 
 
@@ -210,11 +208,9 @@ def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTor
     return filtered(context.without(state.last, late).fitted, joints, rules)
 
 
-@of_the_leg
-@spelt_out(DiagnosisSettings)
 def diagnose(
-    model: Model | Fit,
-    recordings: Given,
+    model: Model | Fit | Given | None = None,
+    recordings: Given | None = None,
     verify: Given = (),
     settings: DiagnosisSettings | None = None,
     *,

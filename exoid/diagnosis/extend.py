@@ -13,7 +13,6 @@ from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.results import Step, steps_figure, steps_table
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
-from exoid.ground.calling import understood
 from exoid.ground.errors import ExoidError
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, picture
@@ -131,7 +130,6 @@ def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str
     return "\n".join(lines)
 
 
-@understood()
 def fit_in_turn(
     models: Sequence[Model],
     recordings: Given,
@@ -150,7 +148,6 @@ def fit_in_turn(
     return _waterfall(fits, prepared)
 
 
-@understood()
 def add(
     model: Model,
     effect: Effect | str,

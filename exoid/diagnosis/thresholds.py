@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib import import_module
 
 import exoid.diagnosis.evidence
 import exoid.diagnosis.separation
 import exoid.diagnosis.sureness
-import exoid.diagnosis.watching
 import exoid.diagnosis.where
 import exoid.measurement.auditing
 import exoid.measurement.signals
 import exoid.measurement.stance
 import exoid.optimisation.fitting
 import exoid.optimisation.preparation
-import exoid.optimisation.recursive
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.folder import APPS, apps
 from exoid.ground.thresholds import Rule, thresholds_in
 
 
@@ -33,8 +33,8 @@ def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
 
 
 def every_threshold() -> Iterator[Rule]:
-    """Yield all of them, those of a machine that is watched included."""
+    """Yield all of them, those of apps included."""
     yield from thresholds_of_a_diagnosis()
     yield from thresholds_in(exoid.diagnosis.separation, "the experiment that separates rivals")
-    yield from thresholds_in(exoid.optimisation.recursive, "numbers that are followed")
-    yield from thresholds_in(exoid.diagnosis.watching, "a machine while it runs")
+    for app in apps():
+        yield from thresholds_in(import_module(f"{APPS}.{app}"), f"the app {app}")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 
+from exoid.ground.text import printable
+
 
 class ExoidError(Exception):
     """Something the user can mend. The command line prints it and exits with status 2, without a traceback.
@@ -69,3 +71,14 @@ def refused(
     except causes as problem:
         said = str(getattr(problem, "strerror", None) or problem)[:300]
         raise error(what.replace("{}", said), where=str(where), remedy=remedy) from problem
+
+
+def error_json(error: ExoidError) -> dict[str, str]:
+    """An error as what, where and what to do."""
+    return {"what": printable(error.what), "where": printable(error.where), "remedy": printable(error.remedy)}
+
+
+def internal(error: Exception) -> ExoidError:
+    """What a page says of a mistake of exoid's own; whoever started it sees the traceback in the terminal."""
+    what = f"internal error in exoid ({type(error).__name__})"
+    return ExoidError(what, remedy="please report what the terminal says")

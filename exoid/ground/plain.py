@@ -8,8 +8,6 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from exoid.ground.calling import Telling
-
 
 class HasName(Protocol):
     """Anything with a name."""
@@ -52,7 +50,7 @@ def by_name(several: Iterable[Named]) -> dict[str, Named]:
     return {one.name: one for one in several}
 
 
-class AsJson(Telling):
+class AsJson:
     """A dataclass with a JSON form: all its fields, unless its `_json` says what else."""
 
     def to_json(self) -> dict[str, Any]:

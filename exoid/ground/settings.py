@@ -6,18 +6,15 @@ A verb with many settings takes a record of them, or the same names as keywords:
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, replace
 from typing import Any, ClassVar, TypeVar
 
-from exoid.ground.calling import understood
 from exoid.ground.errors import ExoidError
 from exoid.ground.suggest import did_you_mean
 
 Record = TypeVar("Record", bound="VerbSettings")
-Verb = TypeVar("Verb", bound=Callable[..., Any])
 
 
 class SettingError(ExoidError, TypeError):
@@ -85,21 +82,6 @@ class VerbSettings:
 def settings_in(record: type[VerbSettings]) -> Iterator[tuple[Field[Any], Setting]]:
     """Yield the settings of a record, with what each means."""
     return ((entry, entry.metadata["setting"]) for entry in fields(record))
-
-
-def spelt_out(record: type[VerbSettings]) -> Callable[[Verb], Verb]:
-    """Show the settings of `record` in the signature and the docstring of a verb that takes them as `**changes`."""
-    names = list(inspect.signature(record).parameters.values())
-    lines = [f"    {entry.name}: {about.meaning}{default_of(entry)}" for entry, about in settings_in(record)]
-
-    def shown(verb: Verb) -> Verb:
-        own = inspect.signature(verb)
-        kept = [one for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
-        verb.__signature__ = own.replace(parameters=[*kept, *names])  # type: ignore[attr-defined]
-        verb.__doc__ = "\n".join([inspect.cleandoc(verb.__doc__ or ""), "", "Settings:", *lines])
-        return understood()(verb)
-
-    return shown
 
 
 def default_of(entry: Field[Any]) -> str:

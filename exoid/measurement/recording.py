@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.calling import understood
 from exoid.ground.errors import RecordingError, refused
 from exoid.ground.files import write_whole
 from exoid.ground.frames import pandas
@@ -61,7 +60,6 @@ class ArrayError(RecordingError, ValueError):
     """Arrays that make no recording: their shapes, or numbers that no sensor gives."""
 
 
-@understood()
 @dataclass(frozen=True, eq=False)
 class Recording:
     """Time `t` (N,) in s, angles `q` (N, J) in rad, torques `tau` (N, J) in N·m; m and N where a joint slides.

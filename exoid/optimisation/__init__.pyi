@@ -8,6 +8,4 @@ from .excitation.design import evaluate_paper as evaluate_paper
 from .fitting.fit import Fit as Fit
 from .fitting.identify import identify as identify
 from .fitting.settings import Search as Search
-from .paper.reproduce import paper_items as paper_items
-from .paper.reproduce import reproduce_paper as reproduce_paper
 from .preparation.prepare import prepare as prepare

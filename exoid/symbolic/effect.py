@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from exoid.ground.calling import understood
 from exoid.ground.errors import EffectError
 from exoid.ground.html import code, lines, table
 from exoid.symbolic.effect_declaration import check_effect
@@ -65,7 +64,6 @@ class Shape:
     """Whether its lowest value stands for the same effect without any transition, so that it is no limit there."""
 
 
-@understood({"joint": "joints", "numbers": "coefficients"})
 @dataclass(frozen=True)
 class Effect:
     """One entry of the catalogue, or an effect of the user's own; EffectError or ExpressionError where it contradicts

@@ -16,11 +16,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exoid.ground.calling import Telling, understood
 from exoid.ground.errors import EffectError
 from exoid.ground.html import lines, table
 from exoid.symbolic.effect import Effect
@@ -72,21 +71,15 @@ USUAL: Mapping[bool, Limits] = MappingProxyType(
 """Limits of motions that are drawn for a joint whose model has none: where it turns, and where it slides (m)."""
 
 
-@understood({"chain": "joints", "effects": "terms"})
 @dataclass(frozen=True, eq=False)
-class Model(Telling):
+class Model:
     """A leg with thigh length m, gravity m/s², the limits of its joints, and its terms beyond rigid body
     and friction.
 
     `joints` (J,) make another machine of it, in the order of every axis of length J: Joints, or the names of ones that
-    turn. `terms` (or `effects`) may be named: "stribeck:hip". EffectError for joints
+    turn. `terms` may be named: "stribeck:hip". EffectError for joints
     that make no machine, and effects that have no place there.
     """
-
-    INSTEAD: ClassVar[Mapping[str, str]] = {
-        "add_effect": "model.with_effect('stribeck:hip'); exoid.add(model, 'stribeck:hip', recordings) refits too",
-        "fit": "exoid.identify(model, recordings)",
-    }
 
     name: str = "standard leg"
     thigh_length: float = 0.40

@@ -1,8 +1,8 @@
 """The command `exoid`: finds the verb, runs it, and turns whatever goes wrong into a message and a status.
 
 Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 an internal
-error. A verb is a module in `commands/` with `HELP`, `add_arguments(parser)` and `run(args) -> int`;
-nothing is registered. One with `IN_CAMPAIGNS` can be asked by a campaign.
+error. A verb is a module in `commands/`, of the workbench or of an app, with `HELP`, `add_arguments(parser)` and
+`run(args) -> int`; nothing is registered.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from types import MappingProxyType, ModuleType
 
 from exoid.ground.delivery import together
 from exoid.ground.errors import ExoidError
-from exoid.ground.folder import names_in
+from exoid.ground.folder import with_apps
 from exoid.ground.signals import handled
 from exoid.ground.suggest import did_you_mean
 from exoid.ground.text import printable
@@ -75,17 +75,17 @@ GROUPS: Mapping[str, str] = MappingProxyType(
 
 
 def find_verbs() -> tuple[str, ...]:
-    """Return the names of all commands: the modules of `commands/`, sorted."""
-    return names_in(commands)
+    """Return the names of all commands: the modules of `commands/`, here and in apps, sorted."""
+    return tuple(with_apps(commands))
 
 
 def load_verb(verb: str) -> ModuleType:
     """Import the module of one command; raises UsageError with a suggestion when there is none."""
-    verbs = find_verbs()
+    verbs = with_apps(commands)
     if verb not in verbs:
         what = f"there is no command {verb!r}"
         raise UsageError(what, remedy=did_you_mean(verb, verbs) or f"known: {', '.join(verbs)}")
-    return importlib.import_module(f"{commands.__name__}.{verb}")
+    return importlib.import_module(verbs[verb])
 
 
 def verb_parser(verb: str) -> Parser:

@@ -10,7 +10,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "exoid"
-LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "exoid")
+LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "apps", "exoid")
 """Lowest first; a package may import itself and what stands before it."""
 
 METHODS_FROM_ABOVE = {

@@ -31,11 +31,6 @@ def test_no_two_packages_lend_one_name():
     assert len(lent) == len(set(lent)) and set(lent) < set(exoid.__all__)
 
 
-def test_what_its_docstring_names_is_there():
-    named = exoid.__doc__.split("the leg")[1].split("`dir(exoid)`")[0].split("`")[1::2]
-    assert named and set(named) <= set(exoid.__all__)
-
-
 def test_a_name_that_is_not_there_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no_such_thing"):
         _ = exoid.no_such_thing

@@ -29,14 +29,10 @@ PAIRS = {
 
 
 @pytest.mark.parametrize("verb", PAIRS)
-def test_a_verb_shows_every_setting_and_takes_it_by_name(verb):
+def test_the_keywords_of_a_verb_are_its_settings(verb):
     record, keywords = PAIRS[verb]
-    function = getattr(exoid, verb)
-    shown = inspect.signature(function).parameters
-    for entry, about in settings_in(record):
-        assert shown[entry.name].kind is inspect.Parameter.KEYWORD_ONLY
-        assert f"{entry.name}: {about.meaning}" in function.__doc__
     assert set(keywords.__annotations__) == {entry.name for entry, _ in settings_in(record)}
+    assert record.__name__ in str(inspect.signature(getattr(exoid, verb)).parameters["settings"])
 
 
 def test_keywords_have_the_types_of_the_record():

@@ -29,7 +29,6 @@ from exoid.diagnosis.evidence.ranking import agreed, mark_significant
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.question import own_effects
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.calling import understood
 from exoid.ground.ties import ascending
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -53,7 +52,6 @@ QUICK = replace(RULES, placebo_for=6, placebo_nodes=25)
 """Thresholds as elsewhere; but half as many candidates get placebos, with fewer places in their search, for speed."""
 
 
-@understood()
 def compare_against(
     model: Model | Fit,
     before: Given,

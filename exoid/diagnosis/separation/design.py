@@ -22,7 +22,6 @@ from exoid.diagnosis.separation.result import Separation
 from exoid.diagnosis.separation.settings import SeparationOptions, SeparationSettings
 from exoid.ground.errors import ExoidError
 from exoid.ground.progress import Progress, silent
-from exoid.ground.settings import spelt_out
 from exoid.ground.ties import least_of, order_of
 from exoid.measurement.bench.simulation import bench_machine
 from exoid.measurement.forces import pushed_model
@@ -60,7 +59,6 @@ class SeparateError(ExoidError):
     """Rivals that cannot be compared: fewer than two, or the same one twice."""
 
 
-@spelt_out(SeparationSettings)
 def separate(
     model: Model,
     rivals: Sequence[str],

@@ -28,10 +28,9 @@ from exoid.diagnosis.results import Diagnosis, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.session.ranking import Ranking
 from exoid.diagnosis.settings import DiscoveryOptions, DiscoverySettings
-from exoid.ground.calling import understood
 from exoid.ground.progress import Progress, silent
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, of_the_leg, question_of
+from exoid.measurement.reading.given import Given, question_of
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
@@ -42,7 +41,6 @@ from exoid.symbolic.motion import Float
 Names = Sequence[str]
 
 
-@understood()
 class Session:
     """What is known of recordings while somebody works with them; fits and rankings are kept.
 
@@ -50,11 +48,10 @@ class Session:
     is computed before it is asked for; errors are those of `prepare` and `identify`.
     """
 
-    @of_the_leg
     def __init__(
         self,
-        model: Model,
-        recordings: Given,
+        model: Model | Given | None = None,
+        recordings: Given | None = None,
         verify: Given = (),
         settings: DiscoverySettings | None = None,
         *,
@@ -62,10 +59,10 @@ class Session:
         **changes: Unpack[DiscoveryOptions],
     ) -> None:
         asked = DiscoverySettings.chosen(settings, changes)
-        model, recordings, verify = question_of(model, recordings, verify)
-        self.model = pushed_model(model, (*recordings, *verify))
+        machine, recordings, verify = question_of(model, recordings, verify)
+        self.model = pushed_model(machine, (*recordings, *verify))
         self.recordings, self.verify = recordings, verify
-        self.asked = replace(asked, extra=own_effects(model, tuple(asked.extra)))
+        self.asked = replace(asked, extra=own_effects(machine, tuple(asked.extra)))
         if prepared is not None:
             self.prepared = prepared
         self._fits: dict[tuple[str, ...], FittedModel] = {}

@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from exoid.ground.calling import understood
 from exoid.ground.errors import EffectError, ExoidError
 from exoid.measurement.bench.controller import Controller
 from exoid.measurement.bench.deflection import at_encoders, rigid_torque
@@ -113,7 +112,6 @@ class Bench:
         return max(1, math.ceil(1.0 / (self.rate * self.step) - 1e-9))
 
 
-@understood()
 def simulate(
     model: Model | None = None,
     leg: Leg | Machine | None = None,
@@ -139,7 +137,6 @@ def simulate(
     return swings(run.recording)
 
 
-@understood()
 def simulate_runs(
     count: int,
     model: Model | None = None,

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import functools
-import inspect
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -24,7 +22,6 @@ TAKEN = (
     "tau1, ..., or a list of these"
 )
 Asked = TypeVar("Asked")
-Verb = TypeVar("Verb", bound=Callable[..., Any])
 
 
 def recordings_in(given: Given | None, joints: Sequence[Joint] | None = None) -> tuple[Recording, ...]:
@@ -51,26 +48,6 @@ def recordings_in(given: Given | None, joints: Sequence[Joint] | None = None) ->
     return tuple(found)
 
 
-def of_the_leg(verb: Verb) -> Verb:
-    """Let a verb (`model`, recordings, ...) take recordings alone: they are of the standard leg then, as on the command
-    line without `--model`.
-    """
-    names = list(inspect.signature(verb).parameters)
-    place = names.index("model")
-    recordings = names[place + 1]
-
-    @functools.wraps(verb)
-    def asked(*given: Any, **named: Any) -> Any:
-        alone = given[place:]
-        if "model" not in named and recordings in named and not alone:
-            named["model"] = Model.standard()
-        elif "model" not in named and recordings not in named and len(alone) == 1 and _holds_recordings(alone[0]):
-            given = (*given[:place], Model.standard(), *alone)
-        return verb(*given, **named)
-
-    return asked  # type: ignore[return-value]
-
-
 def _holds_recordings(given: Any) -> bool:
     if isinstance(given, (str, Path)):
         return Path(given).suffix.lower() != ".toml"
@@ -90,13 +67,18 @@ def _is_one(given: Any) -> bool:
 
 
 def question_of(
-    model: Asked, recordings: Given | None, verify: Given | None = ()
-) -> tuple[Asked, tuple[Recording, ...], tuple[Recording, ...]]:
-    """Return model and recordings as a verb needs them; a path to a model file is read, a fit is kept.
+    model: Any, recordings: Given | None = None, verify: Given | None = ()
+) -> tuple[Any, tuple[Recording, ...], tuple[Recording, ...]]:
+    """Model or fit, and recordings, as a verb needs them; a path to a model file is read. Recordings alone, in either
+    place, are of the standard leg.
 
-    ExoidError where the first is no model, RecordingError where the others are no recordings.
+    ExoidError where the first is no model, RecordingError where there are no recordings or what is given is none.
     """
-    machine = model_of(model)
+    if recordings is None and _holds_recordings(model):
+        model, recordings = None, model
+    if recordings is None:
+        raise RecordingError("there are no recordings", remedy=f"after the model, {TAKEN}")
+    machine = model_of(Model.standard() if model is None else model)
     joints = machine_of(machine).joints
     return machine, recordings_in(recordings, joints), recordings_in(verify, joints)
 

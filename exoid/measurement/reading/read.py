@@ -13,7 +13,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypedDict, Unpack
 
-from exoid.ground.calling import understood
 from exoid.ground.errors import RecordingError, refused
 from exoid.ground.files import sha256
 from exoid.ground.inputs import open_input
@@ -55,7 +54,6 @@ class HowRead(TypedDict, total=False):
     passive: str | Sequence[str]
 
 
-@understood({"map": "columns"})
 def read_recording(
     source: Any,
     columns: Mapping[str, str] | None = None,
@@ -93,7 +91,6 @@ def read_recording(
     return _finished(table, origin, name, told, machine)
 
 
-@understood({"map": "columns"})
 def read_recordings(
     sources: str | Path | Sequence[str | Path],
     columns: Mapping[str, str] | None = None,
@@ -115,7 +112,6 @@ def read_recordings(
     return tuple(one for path in expand(sources) for one in read_as_told(path, told, joints, progress, most_bytes))
 
 
-@understood()
 def how_read(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,

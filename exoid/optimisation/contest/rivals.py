@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, Any, Unpack
 from exoid.ground.engines.engine import completed
 from exoid.ground.engines.processes import in_processes
 from exoid.ground.progress import Progress, silent
-from exoid.ground.settings import spelt_out
 from exoid.optimisation.budget import INDIVIDUALS
 from exoid.optimisation.contest.motion import motion_contest, motion_entrants
 from exoid.optimisation.contest.problem import Contest, Outcome, contest_of, paper_contest, race
@@ -57,7 +56,6 @@ def entrants(whitened: bool = False, problem: str = "identification") -> Mapping
     return found
 
 
-@spelt_out(ContestSettings)
 def rivals(
     subject: Model | Fit | Excitation | ContestSubject | None = None,
     recordings: Sequence[PreparedRecording] | Sequence[Recording] = (),

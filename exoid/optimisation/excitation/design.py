@@ -17,7 +17,6 @@ from typing import Any, Unpack
 import numpy as np
 
 from exoid.ground.progress import Progress, silent
-from exoid.ground.settings import spelt_out
 from exoid.ground.ties import CONVERGED, least_of
 from exoid.measurement.trajectories.extremes import FINE, bounds, margin, uses
 from exoid.measurement.trajectories.trajectory import Fourier, paper_trajectory
@@ -42,7 +41,6 @@ MOST_CREEP = 0.1
 """Share of time in which a joint may creep before that is said."""
 
 
-@spelt_out(DesignSettings)
 def design(
     model: Model | None = None,
     settings: DesignSettings | None = None,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, TypedDict
 
 from exoid.ground.errors import ExoidError
-from exoid.ground.folder import names_in
+from exoid.ground.folder import with_apps
 from exoid.ground.settings import VerbSettings, setting
 from exoid.optimisation import optimisers
 
@@ -18,7 +18,7 @@ DURATION = 30.0
 """s of recording for which standard deviations are predicted."""
 OFFSETS = ("paper", "middle", "free")
 """Where a motion is centred: θ_0 of the paper, the middle of the angle range, or wherever is best."""
-OPTIMISERS = names_in(optimisers)
+OPTIMISERS = tuple(with_apps(optimisers))
 CRITERION_NAMES = ("condition", "d_optimal", "worst")
 """What a motion is evaluated by; `exoid.optimisation.excitation.criteria` computes them."""
 

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from exoid.ground.errors import NotEnoughDataError
-from exoid.ground.settings import spelt_out
 from exoid.measurement.forces import pushed_model
-from exoid.measurement.reading.given import Given, machine_of, model_of, of_the_leg, question_of
+from exoid.measurement.reading.given import Given, machine_of, question_of
 from exoid.optimisation.fitting.assemble import Assembly, Settled
 from exoid.optimisation.fitting.cautions import held, numerical, own_numbers, price, unproven
 from exoid.optimisation.fitting.fit import Fit, FitStage
@@ -52,11 +51,9 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
 Progress = Callable[[str], None]
 
 
-@of_the_leg
-@spelt_out(FitSettings)
 def identify(
-    model: Model,
-    data: Sequence[PreparedRecording] | Given,
+    model: Model | Given | None = None,
+    data: Sequence[PreparedRecording] | Given | None = None,
     settings: FitSettings | None = None,
     *,
     progress: Progress | None = None,
@@ -166,15 +163,15 @@ def _spacing(one: PreparedRecording) -> float:
     return float(t[-1] - t[0]) / max(1, len(t) - 1) * max(1, round(len(t) / max(1, len(one.kept))))
 
 
-def _prepared(model: Model, data: Any) -> tuple[Model, Sequence[PreparedRecording]]:
+def _prepared(model: Any, data: Any) -> tuple[Model, Sequence[PreparedRecording]]:
     """Return the model and prepared recordings; those just read are prepared for it, with the cut-off chosen, and it
     gets the forces that they have measured.
     """
     data = data.train if isinstance(data, Prepared) else data
     if isinstance(data, (list, tuple)) and all(hasattr(one, "motion") for one in data):
         return model, data
-    model, raw, _ = question_of(machine_of(model_of(model)), data)
-    model = pushed_model(model, raw)
+    asked, raw, _ = question_of(model, data)
+    model = pushed_model(machine_of(asked), raw)
     return model, prepare(model, raw).train
 
 

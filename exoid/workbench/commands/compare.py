@@ -5,14 +5,12 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
-from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.deliver import deliver_results
 from exoid.workbench.command_line.options import add_common, add_limit, add_question, exclusive
 from exoid.workbench.terminal.progress import progress
 from exoid.workbench.terminal.screen import Screen
 
 GROUP = "answer"
-IN_CAMPAIGNS = CampaignVerb()
 HELP = """how large the error of the model is, and where it sits
 
 exoid compare run1.csv run2.csv --verify run3.csv --out report

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.asking import answer_question
 from exoid.workbench.command_line.options import add_common, add_question
 
 GROUP = "answer"
-IN_CAMPAIGNS = CampaignVerb()
 HELP = """which physical effect is missing, how sure that is, and what looks like it
 
 exoid diagnose run1.csv run2.csv --verify run3.csv"""

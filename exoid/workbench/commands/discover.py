@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.asking import answer_question
 from exoid.workbench.command_line.options import add_common, add_question, add_settings
 from exoid.workbench.command_line.parser import Seldom
 
 GROUP = "answer"
-IN_CAMPAIGNS = CampaignVerb()
 HELP = """add missing effects one after the other until the verdict says stop
 
 exoid discover run1.csv run2.csv --verify run3.csv --out report --write leg_extended.toml"""

@@ -24,13 +24,13 @@ DEFAULT_FOLDER = "exported"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from exoid.workbench.exporting import formats
+    from exoid.workbench.exporting import formats, usual_formats
 
-    known = formats()
+    known, usual = formats(), usual_formats()
     parser.add_argument("model", metavar="MODEL", help="model file with identified parameters (exoid identify --write)")
     parser.add_argument(
         "--format", "--as", nargs="+", choices=known, metavar="FORMAT",
-        help=f"what to write: {', '.join(known)} (default: all but fmu and ros2)",
+        help=f"what to write: {', '.join(known)} (default: {', '.join(usual)})",
     )  # fmt: skip
     parser.add_argument("--name", default="exoid_leg", help="prefix of files and C functions (default: %(default)s)")
     parser.add_argument(
@@ -40,10 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sign-width", type=float, default=0.0, metavar="W",
         help="let sgn of a velocity fade below W rad/s, so that friction does not chatter at rest (default: a step)",
     )  # fmt: skip
-    parser.add_argument(
-        "--updater", action="store_true",
-        help="write as well, in C, what follows the model's parameters while the controller runs; needs --sample-time",
-    )  # fmt: skip
+    if "updater" in known:
+        parser.add_argument(
+            "--updater", action="store_true",
+            help="write as well, in C, what follows the model's parameters while the controller runs; "
+            "needs --sample-time",
+        )  # fmt: skip
     parser.add_argument(
         "--into", metavar="URDF",
         help="write as well a copy of this URDF, of which the model was made, with the identified parameters in it",
@@ -69,13 +71,8 @@ def run(args: argparse.Namespace) -> int:
             if args.format:  # asked for by name: not to be passed over
                 raise ExportError(error.what, where=error.where or f"--format {name}", remedy=error.remedy) from error
             refused[name] = str(error)
-    if args.updater:
-        from exoid.diagnosis.watching.front import CUTOFF
-        from exoid.workbench.updater import write_updater
-
-        written["updater"] = write_updater(
-            ready.model, ready.numbers, name=args.name, sample_time=args.sample_time, cutoff=CUTOFF
-        )
+    if getattr(args, "updater", False):
+        written["updater"] = exporter("updater").write(ready, options)
     own: dict[str, bytes] = {}
     if args.into:
         from exoid.workbench.into_urdf import into_urdf

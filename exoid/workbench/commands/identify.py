@@ -6,7 +6,6 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from exoid.workbench.campaign.verb import CampaignVerb
 from exoid.workbench.command_line.deliver import deliver_results
 from exoid.workbench.command_line.options import (
     add_common,
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from exoid.workbench.command_line.inputs import Inputs
 
 GROUP = "build"
-IN_CAMPAIGNS = CampaignVerb()
 HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
 
 exoid identify run1.csv run2.csv --verify run3.csv --model leg.toml --write leg_identified.toml"""
