@@ -15,7 +15,7 @@ from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.look_alikes import look_alikes
+from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
@@ -132,12 +132,8 @@ def refitted(
         return None
     wanted = {*behind_best, *alike} - elsewhere
     others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
-    # What makes another joint's error smaller, and not this one's, is another effect, however much that may be.
-    at, own = list(score.candidate.joints), by_joint[score.name]
-    elsewhere |= {
-        name for name, loss in by_joint.items() if max(map(lag, loss[at], own[at]), default=0.0) >= rules.clear
-    }
-    others = [s for s in others if s.name not in elsewhere]
+    own = by_joint[score.name]
+    others = [s for s in others if not leaves_joints(by_joint.get(s.name, own), own, score.candidate, rules)]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
     behind = {name: lag(loss, losses[score.name]) for name, loss in losses.items()}
