@@ -61,7 +61,7 @@ def _as_it_was(context: Any, state: Any) -> Any:
 
 
 def _switches() -> Iterator[Switch]:
-    for name in ("too_short", "on_bound", "undetermined", "made_by_the_filter", "beside_standstill"):
+    for name in ("little_motion", "on_bound", "undetermined", "made_by_the_filter", "beside_standstill"):
         yield Switch("search.doubt", name, _says(""))
     yield Switch("search.doubt", "torque_before_motion", _says(""))
     yield Switch("search.choice", "outlives_noise", _says(True))

@@ -22,7 +22,7 @@ from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import DELAY
-from exoid.diagnosis.search.possible import agreements_of, possible_of
+from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from exoid.diagnosis.splits import from_scratch
@@ -147,7 +147,7 @@ def _answer(
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
-    accepted = _agreed(accepted_of(extensions), agreements, done.context.prepared)
+    accepted = _agreed(accepted_of(extensions, rules), agreements, done.context.prepared)
     soft = done.soft or soft_drive(
         state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules
     )
@@ -166,10 +166,12 @@ def _answer(
     sway = own_sway(state.last.fitted, done.context.noise(state.last), rules)
     if sway is not None:
         possible = possible_with(sway, possible, rules)
-    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible)
+    first = () if accepted else done.found.first
+    leading = leading_of(done.context, state, first, done.base.evaluation_rms)
+    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
     if sway is not None and not accepted:
         answer = swayed(sway, answer, last.model.joints)
-    return write_up(done, extensions, accepted, left, possible, answer, began)
+    return write_up(done, extensions, accepted, left, possible, answer, began, leading)
 
 
 def _agreed(

@@ -56,7 +56,7 @@ class Question:
     @property
     def rules(self) -> Rules:
         """The thresholds that decide."""
-        return self.asked.limited
+        return self.asked.limited(len(self.model.joints))
 
     def fitted(
         self,

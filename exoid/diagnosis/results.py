@@ -20,7 +20,7 @@ from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.plots import falling_error, suspects
 from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.sureness import FAIRLY, MEANINGS, VERY, least_sure, meanings_of, sureness
+from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
 from exoid.diagnosis.torques import torques_over_time
 from exoid.ground.frames import pandas
 from exoid.ground.html import Bar, bullets, fold, lines, picture, table
@@ -74,7 +74,8 @@ class Suspect(AsJson):
 class Accepted(AsJson):
     """An effect that was added, its parameters as fitted in the last model, and what it changed (RMS in N·m).
 
-    Of its `look_alikes` some are `never_separable` by any motion, and some are `outside` the catalogue.
+    Of its `look_alikes` some are `never_separable` by any motion, and some are `outside` the catalogue. `left` is how
+    many times the noise is left at its joints in the last model, `share` what it takes of their squared error.
     """
 
     effect: str
@@ -89,6 +90,8 @@ class Accepted(AsJson):
     agreement: Agreement = field(default_factory=Agreement)
     against: tuple[str, ...] = ()
     outside: tuple[str, ...] = ()
+    left: float = 0.0
+    share: float = 0.0
 
     @property
     def fall(self) -> float:
@@ -104,7 +107,7 @@ class Accepted(AsJson):
     @property
     def sureness(self) -> str:
         """How sure it is that it is missing, in one word (`exoid.diagnosis.sureness`)."""
-        return sureness(self.p_value, self.agreement, doubted=bool(self.look_alikes))
+        return sureness(self.p_value, self.agreement, doubted=bool(self.look_alikes), left=self.left)
 
     @property
     def stability(self) -> str:
@@ -118,7 +121,7 @@ class Accepted(AsJson):
             "never_separable": self.never_separable, "p_value": self.p_value, "rms_before": self.rms_before,
             "rms_after": self.rms_after, "sentence": self.sentence, "accepted_in": self.agreement.share,
             "splits": self.agreement.of, "ranges": self.agreement.ranges, "against": self.against,
-            "stability": self.stability, "sureness": self.sureness,
+            "stability": self.stability, "sureness": self.sureness, "times_noise_left": self.left,
         }  # fmt: skip
 
 
@@ -257,21 +260,43 @@ class Diagnosis(Reported, AsJson):
 
     @property
     def sureness(self) -> str:
-        """The least sure word of what was accepted; "" where nothing was."""
-        return least_sure(one.sureness for one in self.accepted)
+        """How sure the whole answer is: as its least sure effect, and never very sure where more is missing; "" where
+        nothing was accepted. Beside others those with look-alikes are told by themselves.
+        """
+        told, alike = self._told_apart
+        words = [one.sureness for one in told or alike]
+        return least_sure([*words, FAIRLY] if words and self.more_missing else words)
+
+    @property
+    def more_missing(self) -> str:
+        """What is missing beside what was accepted, in words: where, and how many times the noise; "" for nothing."""
+        if self.error is not None:
+            return f"the {self.error.joint} keeps {self.error.times:.2g} times the noise"
+        return "" if self.unexplained is None else f"the {self.unexplained.joint} keeps what no known effect explains"
 
     @property
     def headline(self) -> str:
         """The answer in a line: "Found: end stop at the hip, 35 N·m/rad ...; very sure"."""
         if self.verdict not in ("missing", "ambiguous"):
             return HEADLINES[self.verdict]
-        word = f"{self.sureness} which of its look-alikes it is" if self.verdict == "ambiguous" else self.sureness
-        return f"Found: {self._named}; {word}"
+        told, alike = self._told_apart
+        parts = [*(one.sentence for one in told), self.sureness] if told else []
+        if alike:
+            which = "which of their look-alikes they are" if len(alike) > 1 else "which of its look-alikes it is"
+            parts += [*(one.sentence for one in alike), f"{UNSURE} {which}"]
+        if more := self.more_missing:
+            parts.append(f"more is missing: {more}")
+        return f"Found: {'; '.join(parts)}"
 
     @property
     def further(self) -> str:
         """What the sentence says beyond the headline."""
         return self.sentence.removeprefix(f"Missing: {self._named}. ")
+
+    @property
+    def _told_apart(self) -> tuple[list[Accepted], list[Accepted]]:
+        """Those accepted that nothing else explains as well, and those with look-alikes."""
+        return [a for a in self.accepted if not a.look_alikes], [a for a in self.accepted if a.look_alikes]
 
     @property
     def _named(self) -> str:

@@ -114,8 +114,11 @@ class Rules:
     )
     late_delay: float = _rule(NOISE, 0.08, "delay in s up to which it is an effect: wrong channels called an effect")
 
-    least_seconds: float = _rule(
-        DATA, 15.0, "seconds of fitted motion below which nothing is accepted: what is not there looks real"
+    least_periods: float = _rule(
+        DATA, 75.0, "periods of the band in fitted motion below which nothing is accepted: what is not there looks real"
+    )
+    least_strokes: int = _rule(
+        DATA, 5, "strokes of a joint in fitted motion below which nothing is accepted there: what came once counts"
     )
     many_recordings: int = _rule(
         DATA, 6, "recordings of which nearly all splits outvote those held out: a few can agree by chance"
@@ -126,7 +129,8 @@ class Rules:
     )
     min_shift: float = _rule(DATA, 1.0, "shortest shift of a placebo in s: one that is nearly the candidate")
 
-    most_terms: int = _rule(EFFORT, 6, "terms added at most; a model that needs more has another problem")
+    most_terms: int = _rule(EFFORT, 6, "terms added at most to few joints; a model that needs more has another problem")
+    most_per_joint: int = _rule(EFFORT, 2, "terms for each joint added at most to many: six joints have more than six")
     most_possible: int = _rule(EFFORT, 6, "terms listed as possible at most")
     most_folds: int = _rule(EFFORT, 8, "splits at most; more units are held out several at a time, for speed")
     most_splits: int = _rule(EFFORT, 100, "splits of the recordings at most; random ones where there are more")

@@ -63,7 +63,7 @@ class DiscoverySettings(DiagnosisSettings):
         choices=(LINEARISED, ALL),
     )
 
-    @property
-    def limited(self) -> Rules:
-        """The rules, with `most` in them."""
-        return self.rules if self.most is None else replace(self.rules, most_terms=self.most)
+    def limited(self, joints: int) -> Rules:
+        """The rules for a machine of so many `joints`, with `most` in them."""
+        most = max(self.rules.most_terms, joints * self.rules.most_per_joint) if self.most is None else self.most
+        return replace(self.rules, most_terms=most)

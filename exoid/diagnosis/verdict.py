@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.intermittent import ADVICE, Intermittent
-from exoid.diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
+from exoid.diagnosis.evidence.model_error import ModelError, model_error, sensor_noise, times_noise
 from exoid.diagnosis.evidence.own_sway import OwnSway
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.swinging import Swing, swinging
 from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.search.doubt import too_short
 from exoid.ground.ties import index_of_greatest, least_of
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
@@ -58,8 +58,11 @@ def conclude(
     recordings: int,
     rules: Rules = RULES,
     possible: Sequence[Possible] = (),
+    leading: Possible | None = None,
 ) -> Conclusion:
-    """Return the conclusion; `first` and `last` are the models at both ends, `possible` helps and was not accepted."""
+    """Return the conclusion; `first` and `last` are the models at both ends, `possible` helps and was not accepted,
+    `leading` what leads the candidates where nothing was accepted.
+    """
     most = rules.most_terms
     where = "on recordings never fitted" if verified else "on held-out recordings"
     if not verified and recordings == 1:
@@ -69,7 +72,7 @@ def conclude(
         stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
     error = model_error(last, rules)
     swing = None if error is None else swinging(last)
-    end = _End(left, first, last, possible, rules, error, swing, where, stopped)
+    end = _End(left, first, last, possible, leading, rules, error, swing, where, stopped)
     advice = _advice(verified, recordings)
     return _of_accepted(accepted, end, advice) if accepted else _of_nothing(end, advice)
 
@@ -77,13 +80,14 @@ def conclude(
 @dataclass(frozen=True, eq=False)
 class _End:
     """Where a search ended: what is `left`, the models at both ends, what is `possible`, the `error` of the last model
-    with what `swing`s in it, `where` it was looked at, and why it `stopped`.
+    with what `swing`s in it, `where` it was looked at, and why it `stopped`; `leading` explains most alone.
     """
 
     left: Remainder | None
     first: FittedModel
     last: FittedModel
     possible: Sequence[Possible]
+    leading: Possible | None
     rules: Rules
     error: ModelError | None
     swing: Swing | None
@@ -98,7 +102,15 @@ class _End:
     @property
     def nearest(self) -> str:
         """What comes nearest of what was not accepted, as a sentence that follows others."""
-        return _nearest(self.possible, self.rules, self.find)
+        told = {} if self.leading is None else {self.leading.name: self.leading}
+        best = _nearest(self.possible, self.rules)
+        if best is not None:
+            told[best.name] = best
+        return "".join(
+            f" {'Also near' if k else 'Nearest in the catalogue'}: {called(one.name, self.find)}, "
+            f"{100 * one.explained_share:.0f} % of the error; {one.reason}."
+            for k, one in enumerate(told.values())
+        )
 
     @property
     def find(self) -> Callable[[str], Effect]:
@@ -126,7 +138,8 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
     if error is not None:
         return Conclusion(
             "unexplained",
-            f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
+            f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve that can "
+            "be accepted lowers it",
             f"The model is not as good as the sensors: {error.sentence}.{end.oscillation}{end.nearest}",
             end.stopped,
             error.advice if swing is None else swing.advice,
@@ -146,7 +159,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
             "held out cannot be verified",
             error,
         )
-    short = too_short(end.last.prepared, end.rules)
+    short = little_motion(end.last.prepared, end.rules)
     return Conclusion(
         "adequate",
         f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
@@ -183,15 +196,13 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
     if alike:
         texts = [f"{called(a.name, end.find)} from {_list(a.look_alikes, end.find)}" for a in alike]
-        return Conclusion(
-            "ambiguous",
-            rule + f"; these data cannot distinguish {'; '.join(texts)}",
-            text + " Which of the look-alikes it is, these recordings cannot say.",
-            end.stopped,
-            _deciding(alike, end.find) or advice,
-            error,
-        )
-    return Conclusion("missing", rule, text, end.stopped, advice, error)
+        rule += f"; these data cannot distinguish {'; '.join(texts)}"
+        advice = _deciding(alike, end.find) or advice
+        which = f" These recordings cannot distinguish {'; '.join(texts)}; the others they can."
+        text += which if len(alike) < len(accepted) else " Which of the look-alikes it is, these recordings cannot say."
+    # What is ambiguous of several effects is told of that one; the others are missing for certain.
+    verdict = "ambiguous" if len(alike) == len(accepted) else "missing"
+    return Conclusion(verdict, rule, text, end.stopped, advice, error)
 
 
 def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rules: Rules) -> str:
@@ -295,15 +306,12 @@ def within_filter_error(base: FittedModel) -> Conclusion:
     )
 
 
-def _nearest(possible: Sequence[Possible], rules: Rules, find: Callable[[str], Effect] = find_effect) -> str:
-    """Return which entry of the catalogue comes nearest to what is left, and why it was not accepted; "" for none."""
+def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
+    """Return which entry of the catalogue comes nearest to what is left and was not accepted; None for none."""
     if not possible:
-        return ""
+        return None
     best = least_of(possible, lambda one: -one.explained_share, 1.0)
-    if best.explained_share < rules.worth_telling:
-        return ""
-    share = f"{100 * best.explained_share:.0f} % of the error"
-    return f" Nearest in the catalogue: {called(best.name, find)}, {share}; {best.reason}."
+    return best if best.explained_share >= rules.worth_telling else None
 
 
 def _size(error: ModelError | None) -> str:
@@ -313,8 +321,7 @@ def _size(error: ModelError | None) -> str:
 
 def _times(last: FittedModel) -> float:
     """Return how many times the noise floor the error is, at the worse joint."""
-    floor = sensor_noise(last.prepared)
-    return float(np.max(last.evaluation_rms[floor > 0.0] / floor[floor > 0.0], initial=0.0))
+    return float(times_noise(last).max(initial=0.0))
 
 
 def check_channels(misread: Sequence[Finding]) -> Conclusion:

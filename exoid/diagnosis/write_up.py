@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.consistency import differing
+from exoid.diagnosis.evidence.enough_motion import little_motion
+from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
 from exoid.diagnosis.evidence.own_sway import OwnSway
 from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
 from exoid.diagnosis.evidence.remainder import Remainder
-from exoid.diagnosis.evidence.score import Score, above_noise, share_of_own_joints
+from exoid.diagnosis.evidence.score import Score, share_of_own_joints
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
-from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
-from exoid.diagnosis.rules import Rules
-from exoid.diagnosis.search.doubt import too_short
+from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Suspect
+from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
@@ -31,7 +33,6 @@ from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
-from exoid.symbolic.term import Term
 
 Ranked = TypeVar("Ranked")
 
@@ -65,9 +66,10 @@ def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
     return {e.name.removeprefix(prefix): e for e in fit.estimates if e.name.startswith(prefix)}
 
 
-def accepted_of(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
+def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[Accepted, ...]:
     """Return the effects that were added, with their numbers in the last model."""
     last = extensions[-1]
+    times = times_noise(last.fitted)
     accepted = []
     for before, extension in pairwise(extensions):
         score = extension.added
@@ -85,6 +87,8 @@ def accepted_of(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
                 rms_before=before.fitted.evaluation_rms,
                 rms_after=extension.fitted.evaluation_rms,
                 sentence=sentence_of(term, numbers),
+                left=float(times[list(score.candidate.joints)].max()),
+                share=before.explained(extension, rules),
             )
         )
     return tuple(accepted)
@@ -98,8 +102,11 @@ def write_up(
     possible: tuple[Possible, ...],
     conclusion: Conclusion,
     began: float,
+    leading: Possible | None = None,
 ) -> Diagnosis:
-    """Return the answer to a question, with everything that it rests on."""
+    """Return the answer to a question, with everything that it rests on; `leading` says why what leads the suspects was
+    not accepted.
+    """
     prepared, last = done.prepared, extensions[-1]
     first = () if conclusion.verdict == "check_channels" else done.found.first
     first = tuple(score for score in first if not is_reading(score.name))
@@ -111,7 +118,10 @@ def write_up(
     length = None if told else wanted_thigh_length(last.fitted.fit, prepared)
     power = _power(done) if conclusion.verdict == "adequate" else ()
     said = power_said(power, last.fitted.model.find_effect)
-    suspects = (_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution)
+    before = steps[0].evaluation_rms
+    suspects = [_suspect(s, named, before, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution]
+    if leading is not None:
+        suspects = [replace(s, caution=leading.reason) if s.name == leading.name else s for s in suspects]
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
@@ -155,11 +165,15 @@ def _power(done: Searched) -> tuple[Power, ...]:
 
 def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
     """Return that the recordings are too short for anything to be accepted; nothing where they are not."""
-    text = too_short(prepared, rules)
+    text = little_motion(prepared, rules)
     if not text:
         return ()
-    remedy = f"record at least {rules.least_seconds:g} s of motion to fit, in two recordings or more"
-    return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, rules.least_seconds, remedy),)
+    seconds = rules.least_periods / prepared.choice.cutoff
+    remedy = (
+        f"record at least {seconds:.3g} s of motion to fit, in two recordings or more, in which every joint turns back "
+        f"at least {rules.least_strokes} times"
+    )
+    return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, seconds, remedy),)
 
 
 def best_first(
@@ -172,21 +186,15 @@ def best_first(
     return sorted(ordered, key=lambda one: not word(one))
 
 
-def _suspect(score: Score, accepted: dict[str, Accepted], steps: Sequence[Step], noise_floor: Float) -> Suspect:
+def _suspect(score: Score, accepted: dict[str, Accepted], before: Float, noise_floor: Float) -> Suspect:
     """Return a suspect with its share of the error of its own joints, which noise bounds.
 
-    Of the one that was added first it is what the refit found, on the motion that the steps show.
+    Of one that was added it is what the refit found at its step, on the motion that the steps show.
     """
-    term = score.candidate.term
-    share = share_of_own_joints(score, steps[0].evaluation_rms, noise_floor)
-    if next(iter(accepted), None) == score.name:
-        at = _joints_of(term)
-        share = above_noise(steps[0].evaluation_rms[at], steps[1].evaluation_rms[at])
-    mine = accepted.get(score.name)
-    likes, word = ((), "") if mine is None else (mine.look_alikes, mine.sureness)
-    return Suspect(term.effect.id, term.joint, share, score.p_value, likes, score.caution, word)
-
-
-def _joints_of(term: Term) -> list[int]:
-    names = [joint.name for joint in term.among]
-    return list(range(len(names))) if term.joint is None else [names.index(term.joint)]
+    term, mine = score.candidate.term, accepted.get(score.name)
+    if mine is not None:
+        return Suspect(
+            term.effect.id, term.joint, mine.share, score.p_value, mine.look_alikes, score.caution, mine.sureness
+        )
+    share = share_of_own_joints(score, before, noise_floor)
+    return Suspect(term.effect.id, term.joint, share, score.p_value, (), score.caution, "")

@@ -48,7 +48,7 @@ def candidate(**more) -> SimpleNamespace:
     """A candidate of one coefficient without bounds, at one node for every recording."""
     term = SimpleNamespace(effect=SimpleNamespace(coefficients={"c": Coefficient("N·m")}), placed_shape={})
     usual = {"change": False, "tangent": False, "term": term, "common": np.arange(1), "per_recording": []}
-    return SimpleNamespace(**(usual | {"nodes": np.zeros((1, 1, 0)), "name": "it", "numbers": 1} | more))
+    return SimpleNamespace(**(usual | {"nodes": np.zeros((1, 1, 0)), "name": "it", "numbers": 1, "joints": (0,)} | more))
 
 
 def at(*columns: np.ndarray) -> list[Columns]:
@@ -219,7 +219,7 @@ def test_a_rival_that_lags_clearly_is_no_look_alike_unless_it_is_simpler_and_as_
     rival = SimpleNamespace(name="rival", share=share, candidate=candidate(numbers=numbers))
     losses = {"best": np.full(16, 9.0), "rival": 9.0 + lag / 4.0 + np.tile([1.0, -1.0], 8)}
     monkeypatch.setattr(look_alikes, "gains_beside", lambda *asked: False)
-    monkeypatch.setattr(look_alikes, "block_losses", lambda evidence, grams, columns: losses[columns])
+    monkeypatch.setattr(look_alikes, "joint_losses", lambda evidence, grams, columns: losses[columns][None])
     evidence = SimpleNamespace(rules=RULES, plain=lambda columns: None)
     assert ("rival" in look_alikes.look_alikes(evidence, (best, "best"), [(rival, "rival")])) is alike
 

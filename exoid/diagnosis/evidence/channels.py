@@ -18,6 +18,7 @@ from exoid.diagnosis.evidence.apart import moved_numbers
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
+from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.pushes import turned_force
 from exoid.diagnosis.evidence.timing import late_torque
 from exoid.diagnosis.rules import RULES, Rules
@@ -78,6 +79,7 @@ def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> 
     return (
         _unexplained_torque(base, last, rules)
         or _impossible_base(base, last, rules)
+        or _without_mass(last, rules)
         or _another_machine(base if last.model.shapes else last, rules)
     )
 
@@ -259,6 +261,48 @@ def _impossible(fitted: FittedModel) -> list[Finding]:
     return [
         f for f in fitted.fit.plausibility if f.severity == "warning" and f.check in ("bounds", "inertia", "realisable")
     ]
+
+
+def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether a model near the noise explains every torque as well without weight and inertia, at every joint
+    that moves: no machine is without mass, so the torque is another one, or these recordings do not carry an answer.
+    """
+    if np.any(times_noise(last) > rules.near_noise):
+        return None
+    model, train = last.model, last.prepared.train
+    rigid = len(model.inertial)
+    columns = [
+        one.smooth_columns(model.columns(one.motion, at, last.linear if model.needs_reference else None))
+        for one, at in zip(train, last.shapes, strict=False)
+    ]
+    told = []
+    for j, joint in enumerate(model.joints):
+        seen = [one.used[j] & (one.driven[j] and not one.standing[j]) for one in train]
+        rest, tau, left = (
+            np.concatenate([part[j][use] for part, use in zip(parts, seen, strict=True)])
+            for parts in (
+                [each[:, :, rigid:] for each in columns], [one.torque for one in train], last.residuals[: len(train)]
+            )
+        )  # fmt: skip
+        if not tau.size or not np.any(tau):
+            continue
+        size = np.linalg.norm(rest, axis=0)
+        rest = rest[:, size > 0.0] / size[size > 0.0]
+        without = tau - rest @ np.linalg.lstsq(rest, tau, rcond=None)[0]
+        share = 1.0 - float(np.sum(left**2) / max(float(np.sum(without**2)), 1e-300))
+        if share >= rules.worth_telling:
+            return None
+        told.append(f"{joint.name} {100 * max(share, 0.0):.1g} %")
+    if not told:
+        return None
+    machine = machine_word(model.joints)
+    return Doubt(
+        f"weight and inertia explain less than {100 * rules.worth_telling:g} % of what friction leaves of every torque",
+        f"No weight and no inertia show in the torques ({', '.join(told)} of what friction and the like leave), and no "
+        f"{machine} is without: either these are not the torques of this {machine} (a column computed from the "
+        "velocity looks so), or these recordings do not carry an answer: its mass asks for less than the noise.",
+        "check what the torque columns hold; if they are right, record faster motion, or motion against gravity",
+    )
 
 
 def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:

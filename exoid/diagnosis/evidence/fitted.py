@@ -103,12 +103,15 @@ class FittedModel:
 
     def block_losses(self, scale: Float, rules: Rules = RULES) -> Float:
         """Return the Huber loss in strides, or blocks of time, recording after recording, in units of `scale` (J,)."""
+        return np.asarray(self.joint_losses(scale, rules).sum(axis=0))
+
+    def joint_losses(self, scale: Float, rules: Rules = RULES) -> Float:
+        """Return that loss joint by joint (J, blocks)."""
         out = []
         for residual, one in zip(self.residuals, self.prepared.all, strict=True):
-            size = np.where(one.used, np.abs(residual), 0.0) / scale[:, None]
-            loss = np.sum(huber_terms(size, rules.robust), axis=0)
-            out.append(np.add.reduceat(loss, one.starts(rules.block_seconds)))
-        return np.concatenate(out)
+            loss = huber_terms(np.where(one.used, np.abs(residual), 0.0) / scale[:, None], rules.robust)
+            out.append(np.add.reduceat(loss, one.starts(rules.block_seconds), axis=1))
+        return np.concatenate(out, axis=1)
 
     @property
     def per_recording(self) -> list[tuple[str, Float]]:

@@ -15,10 +15,11 @@ import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns, stacked
-from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import Gram
 from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import TIED, least_of
 from exoid.optimisation.fitting.shapes import from_unit, to_unit
 from exoid.symbolic.motion import Float
@@ -97,19 +98,22 @@ def look_alikes(
     """Return the rivals whose held-out loss is not clearly larger than that of the best, and their lag behind it.
 
     The lag is in standard errors of the difference; 0 is a tie. A rival that still gains beside the best one is no
-    look-alike but another effect.
+    look-alike but another effect, and so is one that leaves the error of the best one's joints: `leaves_joints`.
     """
-    reference = block_losses(evidence, evidence.plain(best[1]), best[1])
+    by_joint = joint_losses(evidence, evidence.plain(best[1]), best[1])
+    reference = by_joint.sum(axis=0)
     out: dict[str, float] = {}
     for score, columns in rivals:
         if gains_beside(evidence, best, score, columns):
             continue
-        difference = block_losses(evidence, evidence.plain(columns), columns) - reference
+        loss = joint_losses(evidence, evidence.plain(columns), columns)
+        difference = loss.sum(axis=0) - reference
         spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
         practically = score.share >= evidence.rules.practically * best[0].share
+        elsewhere = leaves_joints(loss, by_joint, best[0].candidate, evidence.rules)
         if practically and score.candidate.numbers < best[0].candidate.numbers:
             out[score.name] = 0.0
-        elif difference.sum() < evidence.rules.clear * spread:
+        elif difference.sum() < evidence.rules.clear * spread and not elsewhere:
             out[score.name] = float(difference.sum() / spread)
     return out
 
@@ -123,8 +127,20 @@ def gains_beside(
     return share - best[0].share > evidence.rules.half * rival.share
 
 
+def leaves_joints(loss: Float, than: Float, best: Candidate, rules: Rules) -> bool:
+    """Whether a rival's loss (J, blocks) is clearly above that of the `best` candidate (`than`) at a joint where the
+    best one acts: what makes the error of another joint smaller is another effect, however much that may be.
+    """
+    return any(lag(loss[joint], than[joint]) >= rules.clear for joint in best.joints)
+
+
 def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
     """Return the held-out loss of a candidate in strides, or blocks of time, over all units of all splits."""
+    return np.asarray(joint_losses(evidence, grams, columns, ridge).sum(axis=0))
+
+
+def joint_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+    """Return that loss joint by joint (J, blocks)."""
     out = []
     for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
         index, weight = evidence.unit(unit)
@@ -132,8 +148,8 @@ def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ri
         residual = block.residual - block.columns @ step
         for place, joint in enumerate(columns[index].joints):
             residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
-        loss = np.sum(weight * residual**2, axis=0)
+        loss = weight * residual**2
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)
         blocks = np.searchsorted(block.starts(evidence.rules.block_seconds), live, side="right")
-        out.append(np.add.reduceat(loss[live], np.flatnonzero(np.diff(blocks, prepend=-1))))
-    return np.concatenate(out)
+        out.append(np.add.reduceat(loss[:, live], np.flatnonzero(np.diff(blocks, prepend=-1)), axis=1))
+    return np.concatenate(out, axis=1)

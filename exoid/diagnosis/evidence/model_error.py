@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.repeats import Repeats, repeats
 from exoid.diagnosis.rules import RULES, Rules
@@ -36,9 +37,10 @@ def sensor_noise(prepared: Prepared) -> Float:
     return np.asarray(np.where(driven, prepared.noise_floor, prepared.noise_floor.max()))
 
 
-def fitted_seconds(prepared: Prepared) -> float:
-    """Return how many seconds of motion are fitted."""
-    return sum(float(one.t[-1] - one.t[0]) for one in prepared.train)
+def times_noise(last: FittedModel) -> Float:
+    """Return how many times the noise floor the error of a model is at each joint (J,); 0 where there is no noise."""
+    floor = sensor_noise(last.prepared)
+    return np.asarray(np.where(floor > 0.0, last.evaluation_rms / np.where(floor > 0.0, floor, 1.0), 0.0))
 
 
 def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
@@ -50,8 +52,7 @@ def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
 def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     """Return what a model leaves beyond the noise, at the joint where it is largest; None where it is near the noise.
 
-    Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more. The
-    unseen error of a model fitted to a few seconds near their noise is what these leave open, no error of the model.
+    Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
     """
     again = repeats(last)
     sensors, floor = sensor_noise(last.prepared), noise_with(again, last.prepared)
@@ -59,9 +60,6 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
     times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
     j = index_of_greatest(times)
-    few = last.verified and fitted_seconds(last.prepared) < rules.least_seconds
-    if few and np.all(last.train_rms <= rules.near_noise * floor):
-        return None
     beyond = np.where(error > 0.0, error / np.maximum(sensors, 1e-6), 0.0)
     if times[j] <= rules.near_noise:
         worst = index_of_greatest(beyond)
@@ -93,7 +91,11 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
             "sensors, not the motion"
         )
         advice = _CHANGES
-    if last.verified and error[j] > rules.near_noise * last.train_rms[j]:
+    little = little_motion(last.prepared, rules) if last.verified else ""
+    if little and np.all(last.train_rms <= rules.near_noise * floor):
+        text += f". On fitted motion it is near the noise, and {little}: so few leave the numbers open"
+        advice = "fit more motion and ask again: what is left may be no more than numbers that so little tells badly"
+    elif last.verified and error[j] > rules.near_noise * last.train_rms[j]:
         text += f". On fitted motion it keeps {last.train_rms[j]:.3g} {unit}: what this is, no fitted recording shows"
         advice = (
             "fit a recording of the motion that is held out now and hold out another: an end stop or a load that no "

@@ -69,6 +69,11 @@ class Score:
         """Whether nearly all splits of many recordings support it."""
         return self.agreement is not None and self.agreement.repeats(rules)
 
+    def agrees(self, rules: Rules) -> bool:
+        """Whether it is told of many recordings, and enough of their splits that can tell support it."""
+        agreement = self.agreement
+        return agreement is not None and agreement.recordings >= rules.many_recordings and agreement.enough(rules)
+
     @property
     def shape(self) -> Float:
         """Shape values (R, S) on each recording."""

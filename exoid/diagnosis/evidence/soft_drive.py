@@ -22,8 +22,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from exoid.diagnosis.evidence.model_error import fitted_seconds
 from exoid.diagnosis.evidence.swinging import swinging
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.minimum import minimum
@@ -84,7 +84,7 @@ _BEST: WeakKeyDictionary[FittedModel, dict[int, SoftDrive | None]] = WeakKeyDict
 def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
     """Return the soft drive that explains far more than everything in `last`, None where there is none.
 
-    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of a few seconds,
+    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of little motion,
     which some compliance fits by chance.
     """
     asked = last.evaluation_rms > rules.artefact * noise
@@ -116,7 +116,7 @@ def _may_be(base: FittedModel, last: FittedModel, asked: np.ndarray, rules: Rule
     """Whether enough is left (`asked` (J,), where), and recorded, to ask for a soft drive; of what swings by itself, a
     link on a spring takes up much.
     """
-    return bool(fitted_seconds(base.prepared) >= rules.least_seconds and asked.any() and swinging(last) is None)
+    return bool(not little_motion(base.prepared, rules) and asked.any() and swinging(last) is None)
 
 
 def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:

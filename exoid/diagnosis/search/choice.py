@@ -15,7 +15,7 @@ from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.look_alikes import look_alikes
+from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
@@ -103,7 +103,8 @@ def refitted(
     rules, scale = context.rules, extension.fitted.scale
     able = [s for s in rivals if s.name not in failed][: rules.refitted]
     tried, elsewhere = _refits(context, extension, [*able, *(s for s in rivals if s.name in failed)])
-    losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
+    by_joint = {score.name: found.fitted.joint_losses(scale, rules) for score, found in tried}
+    losses = {name: loss.sum(axis=0) for name, loss in by_joint.items()}
     tried = [p for p in tried if p[0].name not in failed]
     if not tried:
         return None
@@ -131,6 +132,8 @@ def refitted(
         return None
     wanted = {*behind_best, *alike} - elsewhere
     others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
+    own = by_joint[score.name]
+    others = [s for s in others if not leaves_joints(by_joint.get(s.name, own), own, score.candidate, rules)]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
     behind = {name: lag(loss, losses[score.name]) for name, loss in losses.items()}

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
-from exoid.diagnosis.evidence.model_error import fitted_seconds, sensor_noise
+from exoid.diagnosis.evidence.model_error import sensor_noise
 from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import index_of_greatest
 from exoid.measurement.signals.masks import widen
 from exoid.optimisation.fitting.shapes import to_unit
-from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.language.torque import is_transform
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
@@ -42,26 +42,16 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         return None
     name = after.added.name
     reason = (
-        too_short(after.fitted.prepared, rules)
+        little_motion(after.fitted.prepared, rules, after.added.candidate.joints)
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
+        or explains_nothing(before, after, rules)
         or beside_standstill(before, after, rules)
         or less_than_chance(before, after, rules)
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
-
-
-def too_short(prepared: Prepared, rules: Rules) -> str:
-    """Return that the fitted recordings are too short to accept anything, and how long would be enough."""
-    seconds = fitted_seconds(prepared)
-    if seconds >= rules.least_seconds:
-        return ""
-    return (
-        f"the fitted recordings hold {seconds:.1f} s of motion, on which effects that are not there look real: "
-        f"{rules.least_seconds:g} s are enough to accept one"
-    )
 
 
 def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
@@ -151,6 +141,14 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     )
 
 
+def explains_nothing(before: Extension, after: Extension, rules: Rules) -> str:
+    """Return that the squared error of motion it was not fitted to does not fall at the joints where the term shows."""
+    share = before.explained(after, rules)
+    if share >= rules.least_share:
+        return ""
+    return f"explains {100 * share:.1g} % of the squared error at its own joints, on motion it was not fitted to"
+
+
 def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
     """Return that a term which follows the model's own torque gains little, and nothing clear as blocks scatter, but
     where its joint has just stood still, or is about to.
@@ -180,10 +178,14 @@ def less_than_chance(before: Extension, after: Extension, rules: Rules) -> str:
     """Return that the term explains less, at each of its joints, than is left there and does not come again when the
     motion does, where that is no noise of the sensors.
 
-    A person who pushes slowly is alike to any effect for a while, and to shifts in time of it less so.
+    A person who pushes slowly is alike to any effect for a while, and to shifts in time of it less so; but not in
+    nearly all splits of many recordings.
     """
-    again, added = repeats(after.fitted), after.added
-    if again is None or added is None:
+    added = after.added
+    if added is None or added.agrees(rules):
+        return ""
+    again = repeats(after.fitted)
+    if again is None:
         return ""
     at, noise = list(added.candidate.joints), sensor_noise(after.fitted.prepared)
     taken = np.sqrt(np.maximum(before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2, 0.0))

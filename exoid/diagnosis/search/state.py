@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.remainder import Remainder
-from exoid.diagnosis.evidence.score import Score, harmless
+from exoid.diagnosis.evidence.score import Score, above_noise, harmless
 from exoid.diagnosis.rules import RULES, Rules
 
 
@@ -31,6 +31,18 @@ class Extension:
         """
         scale = self.fitted.unseen_scale
         return 1.0 - later.fitted.unseen_loss(scale, rules) / max(self.fitted.unseen_loss(scale, rules), 1e-300)
+
+    def explained(self, later: Extension, rules: Rules = RULES) -> float:
+        """Return by what share of itself the squared error falls at the joints where what `later` adds shows.
+
+        On the motion that a reader is shown; what repeats over many recordings may lose on those held out here.
+        """
+        if later.added is None:
+            return 0.0
+        one, other, at = self.fitted, later.fitted, list(later.added.candidate.joints)
+        share = above_noise(one.evaluation_rms[at], other.evaluation_rms[at])
+        fitted = above_noise(one.train_rms[at], other.train_rms[at]) if later.added.repeats(rules) else 0.0
+        return max(share, fitted)
 
     def outvotes(self, later: Extension, rules: Rules = RULES) -> bool:
         """Whether what `later` adds repeats over many recordings, and those held out lose little beside what it gains.

@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from exoid.diagnosis.evidence.columns import Columns, stacked
+from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.proxies import BetterCurve, beaten, explained_share
 from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
@@ -17,7 +18,6 @@ from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.suggestions import suggest
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext, as_fitted
-from exoid.diagnosis.search.doubt import too_short
 from exoid.diagnosis.search.state import Extension, State
 from exoid.ground.ties import ascending
 
@@ -34,7 +34,7 @@ def take_back(context: SearchContext, state: State) -> State:
 
 def left_over(context: SearchContext, extension: Extension) -> Remainder | None:
     """Return what the model of `extension` leaves, if that is significant, with suggested closed forms."""
-    if too_short(context.prepared, context.rules):  # a free curve looks as real there as any effect
+    if little_motion(context.prepared, context.rules):  # a free curve looks as real there as any effect
         return None
     context.tick(0.88, "looking at what is left")
     found = remainders(extension.fitted, context.evidence(extension))

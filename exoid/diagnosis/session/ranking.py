@@ -18,6 +18,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import look_alikes
+from exoid.diagnosis.evidence.model_error import sensor_noise
 from exoid.diagnosis.evidence.placebo import placebo
 from exoid.diagnosis.evidence.ranking import agreed, mark_significant
 from exoid.diagnosis.evidence.score import Score, weigh
@@ -135,8 +136,15 @@ class Ranking:
         if self._word is None:
             first = self.scores[0]
             doubted = bool(first.caution) or not first.significant or bool(self.alike(name))
-            self._word = sureness(first.p_value, first.agreement, doubted=doubted, rules=self.rules)
+            self._word = sureness(
+                first.p_value, first.agreement, doubted=doubted, left=self._times_left(first), rules=self.rules
+            )
         return self._word
+
+    def _times_left(self, score: Score) -> float:
+        """Return how many times the noise would be left beside a candidate at its joints."""
+        trial, floor = self.trial(score.name), np.maximum(sensor_noise(self.fitted.prepared), 1e-300)
+        return 0.0 if trial is None else float(np.max((trial.evaluation_rms / floor)[list(score.candidate.joints)]))
 
     def explained(self, selected: Sequence[np.ndarray]) -> dict[str, float]:
         """Return, best first, which share of the squared error at the samples `selected` (J, K) of every recording

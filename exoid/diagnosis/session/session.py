@@ -73,7 +73,7 @@ class Session:
     @property
     def rules(self) -> Rules:
         """The thresholds that decide."""
-        return self.asked.limited
+        return self.asked.limited(len(self.model.joints))
 
     @property
     def extra(self) -> tuple[Effect, ...]:

@@ -16,7 +16,7 @@ EFFECT = Effect(
     derive=derive,
     joints=("both",),
     machines="leg",
-    shape={"offset": Shape("rad", min=-0.3, max=0.3, points=9, typical=0.05, explains="true angle minus reading")},
+    shape={"offset": Shape("rad", min=-0.8, max=0.8, points=9, typical=0.05, explains="true angle minus reading")},
     family="sensor",
     tells_apart="Move the knee to its mechanical stop and compare the reading with the drawing.",
     reference="Hollerbach, Khalil, Gautier, Model identification, Springer Handbook of Robotics, 2nd ed., 2016, ch. 6",

@@ -28,8 +28,8 @@ EFFECT = Effect(
     shape={
         "tilt": Shape(
             "rad",
-            min=-0.3,
-            max=0.3,
+            min=-0.8,
+            max=0.8,
             points=9,
             typical=0.05,
             explains="forward lean; equally, the error of the first encoder",

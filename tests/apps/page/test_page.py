@@ -54,6 +54,13 @@ def test_a_strange_file_is_mapped_once_and_no_name_is_markup(serve, visit, tmp_p
     assert page.evaluate("document.documentElement.scrollWidth") <= 380
 
 
+def test_of_a_weaker_suspect_it_is_said_what_explains_more(serve, visit):
+    page = visit(serve(DATA / "train_1.csv", DATA / "train_2.csv", "--verify", DATA / "verify.csv").url)
+    page.get_by_test_id("suspect-stribeck:knee").hover()
+    expect(page.get_by_test_id("rivals")).to_contain_text("explains more")
+    expect(page.get_by_test_id("rivals")).not_to_contain_text("Nothing else")
+
+
 def test_own_effect_cancel_two_tabs_reload_and_kill(serve, visit, tmp_path):
     server = serve(
         DATA / "train_1.csv", DATA / "train_2.csv", "--verify", DATA / "verify.csv", "--out", tmp_path / "kept"

@@ -97,6 +97,17 @@ export function titleOf(name) {
   return view.state.ranking?.suspects.find((one) => one.name === name)?.title || name;
 }
 
+// What does as well as a suspect, or better, of those that act on the same joint.
+function rivals({ name, alike }) {
+  const { suspects } = view.state.ranking || { suspects: [] };
+  const own = suspects.find((one) => one.name === name);
+  const better = own && suspects.filter((one) => !one.caution && one.share > own.share && (!one.joint || !own.joint || one.joint === own.joint));
+  const best = better?.length && better.reduce((most, one) => (one.share > most.share ? one : most));
+  const parts = alike.length ? [`These data cannot distinguish it from: ${alike.map(titleOf).join(", ")}.`] : [];
+  if (best && !alike.includes(best.name)) parts.push(`${best.title} explains more: ${percent(best.share)}, this ${percent(own.share)}.`);
+  return parts.join(" ") || "Nothing else does as well in these data.";
+}
+
 function detailPanel() {
   if (!shown || view.pointed !== shown.name) return h("div", { class: "detail", id: "detail" }, h("p", { class: "faint" }, "Point at a suspect: what it means, what it cannot be distinguished from, what to measure."));
   const { joints } = view.state;
@@ -106,7 +117,7 @@ function detailPanel() {
     falls && h("p", {}, `Error as it would become on ${view.state.judged} motion: ${falls}. In the plots: the heavy line with it, grey what its placebos leave.`),
     shown.torque && h("p", {}, h("code", {}, shown.torque)),
     shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => one.said).join(", ")),
-    h("p", { class: "faint" }, shown.alike.length ? `These data cannot distinguish it from: ${shown.alike.map(titleOf).join(", ")}` : "Nothing else does as well in these data."),
+    h("p", { class: "faint", "data-testid": "rivals" }, rivals(shown)),
     h("p", { class: "faint" }, `To measure: ${shown.tells_apart}`),
   );
 }

@@ -32,7 +32,7 @@ export function draw() {
     h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
     h("div", { "data-testid": "verdict", "data-verdict": verdict.kind },
       h("p", { class: "lead" }, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind), " ",
-        verdict.headline ? withFigures(verdict.headline.replace(/^(Found: |Nothing is missing )/, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, "")) : verdict.sentence),
+        verdict.headline ? withFigures(verdict.headline.replace(/^(Found: |Nothing is missing )/, "").replace(/; (very sure|fairly sure|cannot tell)( which [^;]*)?/, "")) : verdict.sentence),
       h("div", { class: "said" }, verdict.sureness && sure(verdict.sureness),
       (verdict.why || verdict.next) && h("details", {}, h("summary", {}, verdict.judged ? "why, and what to measure next" : "what comes next"),
         verdict.headline && h("p", { class: "faint" }, verdict.sentence),
