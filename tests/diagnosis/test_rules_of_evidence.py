@@ -48,7 +48,8 @@ def candidate(**more) -> SimpleNamespace:
     """A candidate of one coefficient without bounds, at one node for every recording."""
     term = SimpleNamespace(effect=SimpleNamespace(coefficients={"c": Coefficient("N·m")}), placed_shape={})
     usual = {"change": False, "tangent": False, "term": term, "common": np.arange(1), "per_recording": []}
-    return SimpleNamespace(**(usual | {"nodes": np.zeros((1, 1, 0)), "name": "it", "numbers": 1, "joints": (0,)} | more))
+    usual |= {"nodes": np.zeros((1, 1, 0)), "name": "it", "numbers": 1, "joints": (0,)}
+    return SimpleNamespace(**(usual | more))
 
 
 def at(*columns: np.ndarray) -> list[Columns]:
