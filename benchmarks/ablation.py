@@ -25,7 +25,6 @@ from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # must be set before NumPy is imported
-os.environ.setdefault("EXOID_PROCESSES", "1")
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
@@ -62,7 +61,7 @@ def _as_it_was(context: Any, state: Any) -> Any:
 
 
 def _switches() -> Iterator[Switch]:
-    for name in ("too_short", "on_bound", "undetermined", "made_by_the_filter", "beside_standstill"):
+    for name in ("little_motion", "on_bound", "undetermined", "made_by_the_filter", "beside_standstill"):
         yield Switch("search.doubt", name, _says(""))
     yield Switch("search.doubt", "torque_before_motion", _says(""))
     yield Switch("search.choice", "outlives_noise", _says(True))
@@ -148,7 +147,7 @@ def _said(case: str) -> Line | None:
 
 def counted(case: str) -> Line | None:
     """Return the answer to a case as the rules are, and which of them fired; None where it cannot be drawn here."""
-    importlib.import_module("exoid.diagnosis.discover")
+    importlib.import_module("exoid.diagnosis.discovery")
     fired: set[str] = set()
     with ExitStack() as stack:
         for one in switches().values():
@@ -159,7 +158,7 @@ def counted(case: str) -> Line | None:
 
 def without(case: str, rule: str) -> Line | None:
     """Return the answer to a case with a rule switched off; None where it cannot be drawn here."""
-    importlib.import_module("exoid.diagnosis.discover")
+    importlib.import_module("exoid.diagnosis.discovery")
     one = switches()[rule]
     with replaced(one, one.off):
         line = _said(case)
@@ -220,7 +219,7 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run what the command line asks for."""
     form = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(prog="benchmarks/ablation.py", description=__doc__, formatter_class=form)
-    importlib.import_module("exoid.diagnosis.discover")
+    importlib.import_module("exoid.diagnosis.discovery")
     everything = list(switches())
     parser.add_argument("folder", type=Path, help="where answers are kept, outside the repository")
     parser.add_argument("--cases", type=int, default=None, help="the first so many cases, kinds by turns (all)")

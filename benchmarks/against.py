@@ -1,9 +1,8 @@
 """This checkout against another one, in one run: `python benchmarks/against.py OTHER RUN.csv ... --verify RUN.csv`.
 
 Every row is measured in processes of its own, each time the two checkouts in turn, and the smallest times of each
-count, by the clock and of the processor, copies of the process included (`EXOID_PROCESSES`); linear algebra has one
-thread, and what is compiled is compiled before. Ratios by the clock mean something on a quiet
-machine only; nothing is asserted.
+count, by the clock and of the processor; linear algebra has one thread, and what is compiled is compiled before. Ratios
+by the clock mean something on a quiet machine only; nothing is asserted.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from exoid.symbolic.catalogue import catalogue  # noqa: E402
+from exoid.symbolic.effect_catalogue import catalogue  # noqa: E402
 from exoid.symbolic.joints import LEG  # noqa: E402
 from exoid.symbolic.term import places_of  # noqa: E402
 

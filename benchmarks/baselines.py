@@ -1,6 +1,6 @@
 """What a plain regression would have said: the legs of the blind campaign, judged by textbook model selection.
 
-    python benchmarks/baselines.py FOLDER                      one leg per variant, as diagnosis/trials draws them
+    python benchmarks/baselines.py FOLDER                      one leg per variant, as apps/campaign/trials draws them
     python benchmarks/baselines.py FOLDER --kinds none --seeds 5
 
 Both baselines get the very columns that `discover` weighs (same recordings, same filter, same catalogue, same trial
@@ -31,11 +31,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from exoid.apps.campaign.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
 from exoid.diagnosis.evidence.columns import Columns  # noqa: E402
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model  # noqa: E402
 from exoid.diagnosis.evidence.library import build_library  # noqa: E402
 from exoid.diagnosis.grading import match  # noqa: E402
-from exoid.diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
 from exoid.optimisation.fitting.identify import identify  # noqa: E402
 from exoid.optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 

@@ -19,13 +19,13 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from exoid.apps.campaign.plan import read_plan  # noqa: E402
+from exoid.apps.campaign.run import run_campaign  # noqa: E402
 from exoid.ground.engines.cell import in_cell  # noqa: E402 - the repository must be on the path first
 from exoid.ground.engines.dask import dask  # noqa: E402
 from exoid.ground.engines.engine import Engine, completed  # noqa: E402
 from exoid.ground.engines.local import local  # noqa: E402
 from exoid.ground.engines.slurm import slurm  # noqa: E402
-from exoid.workbench.campaign.plan import read_plan  # noqa: E402
-from exoid.workbench.campaign.run import run_campaign  # noqa: E402
 
 
 def overhead(engine: Engine, jobs: int) -> float:
@@ -42,7 +42,7 @@ def trials(count: int, workers: int, folder: Path) -> float:
     plan = folder / "plan.toml"
     plan.write_text(f'verb = "blind"\n[blind]\nkinds = ["none"]\nseeds = {-(-count // 6)}\nfirst = 100\n', "utf-8")
     engine = local(workers)
-    trial = "exoid.diagnosis.trials.trial:run_case"
+    trial = "exoid.apps.campaign.trials.trial:run_case"
     warm = completed(engine, in_cell, range(workers), lambda k: (trial, f"none/nothing/{k}"))
     assert all(future.result()["status"] == "done" for _, future in warm)
     began = time.perf_counter()

@@ -120,7 +120,7 @@ def stage(name: str, path: Path) -> None:
 
     That of `compare` is all of it, from the file on.
     """
-    from exoid.diagnosis.compare import compare
+    from exoid.diagnosis.comparison import compare
     from exoid.measurement.reading.read import read_recording, read_recordings
     from exoid.optimisation.fitting.identify import identify
     from exoid.optimisation.preparation.prepare import prepare

@@ -1,6 +1,6 @@
 """Write the recordings that `exoid demo` ships, or check that the bench still makes the shipped ones.
 
-python benchmarks/make_demo.py            write workbench/demo_data/
+python benchmarks/make_demo.py            write exoid/workbench/demo_data/
 python benchmarks/make_demo.py --check    compare byte for byte, exit status 1 where they differ
 
 A standard leg whose knee friction grows with its load: three runs to fit and one to verify, each on a motion of its
@@ -20,7 +20,7 @@ from exoid.measurement.bench.blind import write_runs  # noqa: E402 - the reposit
 from exoid.measurement.bench.hidden import Hidden  # noqa: E402
 from exoid.measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
 
-SHIPPED = ROOT / "workbench" / "demo_data"
+SHIPPED = ROOT / "exoid" / "workbench" / "demo_data"
 SEED = 20
 HIDDEN = Hidden("load_friction", "knee", {"c": 0.22})
 NAMES = ("train_1", "train_2", "train_3", "verify")

@@ -13,8 +13,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from exoid.symbolic.catalogue import catalogue  # noqa: E402 - the repository must be on the path first
 from exoid.symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
+from exoid.symbolic.effect_catalogue import catalogue  # noqa: E402 - the repository must be on the path first
 from exoid.symbolic.identifiability import never_separable  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
 from exoid.workbench.commands.effects import joints  # noqa: E402

@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.mujoco_leg import ask, names_right  # noqa: E402 - the repository must be on the path first
-from exoid.diagnosis.discover import discover  # noqa: E402
+from exoid.diagnosis.discovery import discover  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.symbolic.joints import Joint  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402

@@ -26,7 +26,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from exoid.diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from exoid.diagnosis.discovery import discover  # noqa: E402 - the repository must be on the path first
 from exoid.diagnosis.grading import match  # noqa: E402
 from exoid.diagnosis.results import Diagnosis  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402

@@ -24,7 +24,7 @@ from typing import Any
 from playwright.sync_api import Page, sync_playwright
 
 ROOT = Path(__file__).parents[1]
-DEMO = ROOT / "workbench" / "demo_data"
+DEMO = ROOT / "exoid" / "workbench" / "demo_data"
 WANTED = {
     "page usable after the command": 2.0, "first picture after that": 1.0, "add a suspect to its curves": 0.5,
     "brush to suspects ranked anew": 0.5, "point at a suspect to its curve": 0.5,

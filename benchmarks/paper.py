@@ -11,8 +11,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from exoid.optimisation.paper.reproduce import reproduce_paper  # noqa: E402 - the repository must be on the path first
-from exoid.workbench.paper_page import page_of, pictures_in  # noqa: E402
+from exoid.apps.paper.page import page_of, pictures_in  # noqa: E402
+from exoid.apps.paper.reproduce import reproduce_paper  # noqa: E402 - the repository must be on the path first
 
 DOCS = ROOT / "docs"
 PAGE = DOCS / "paper.md"

@@ -102,4 +102,4 @@ def main(files: list[Path]) -> None:
 
 if __name__ == "__main__":
     given = [Path(name) for name in sys.argv[1:]]
-    main(given or [ROOT / "workbench" / "demo_data" / f"train_{k}.csv" for k in (1, 2, 3)])
+    main(given or [ROOT / "exoid" / "workbench" / "demo_data" / f"train_{k}.csv" for k in (1, 2, 3)])

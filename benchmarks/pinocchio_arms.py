@@ -27,7 +27,7 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.mujoco_chains import EFFECTS, Now  # noqa: E402 - the repository must be on the path first
 from benchmarks.mujoco_leg import ask, names_right  # noqa: E402
-from exoid.diagnosis.discover import discover  # noqa: E402
+from exoid.diagnosis.discovery import discover  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
 from exoid.symbolic.robot_file import parse_robot  # noqa: E402

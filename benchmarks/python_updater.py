@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, FrontEnd, poles
-from exoid.diagnosis.watching.window import STEADY, column_errors
+from exoid.apps.watch.front import COMMON_ORDER, SIGN_WIDTH, Filters, FrontEnd, poles
+from exoid.apps.watch.updater import first_estimator
+from exoid.apps.watch.window import STEADY, column_errors
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
-from exoid.workbench.updater import first_estimator
 
 
 class Updater:

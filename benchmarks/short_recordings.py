@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from exoid.diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from exoid.diagnosis.discovery import discover  # noqa: E402 - the repository must be on the path first
 from exoid.measurement.bench.leg import random_leg  # noqa: E402
 from exoid.measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402

@@ -25,7 +25,7 @@ def process(code: str):
 
 
 def main() -> None:
-    from exoid.diagnosis.discover import discover
+    from exoid.diagnosis.discovery import discover
     from exoid.measurement.bench.simulation import Bench, run_bench
     from exoid.measurement.reading.read import read_recording
     from exoid.symbolic.model import Model
@@ -33,7 +33,7 @@ def main() -> None:
     bare = seconds(process("pass"))
     helped = seconds(process("from exoid.workbench.command import main; main(['--help'])"))
     bench = seconds(lambda: run_bench(seed=2, bench=Bench(duration=20.0)), 3)
-    data = ROOT / "workbench" / "demo_data"
+    data = ROOT / "exoid" / "workbench" / "demo_data"
     train = [read_recording(data / f"train_{k}.csv") for k in (1, 2, 3)]
     verify = [read_recording(data / "verify.csv")]
     found = seconds(lambda: discover(Model.standard(), train, verify), 2)

@@ -37,7 +37,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 
 import blind  # noqa: E402 - the repository must be on the path first
 
-from exoid.diagnosis.discover import discover  # noqa: E402
+from exoid.diagnosis.discovery import discover  # noqa: E402
 from exoid.diagnosis.grading import match  # noqa: E402
 from exoid.measurement.bench.blind import draw_hidden  # noqa: E402
 from exoid.measurement.bench.hidden import Hidden, true_model  # noqa: E402
@@ -49,7 +49,7 @@ from exoid.measurement.signals.masks import widen  # noqa: E402
 from exoid.optimisation.fitting.identify import identify  # noqa: E402
 from exoid.optimisation.preparation.prepare import prepare  # noqa: E402
 from exoid.optimisation.preparation.sticking import STICK, STICK_REACH  # noqa: E402
-from exoid.symbolic.catalogue import catalogue  # noqa: E402
+from exoid.symbolic.effect_catalogue import catalogue  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
 from exoid.symbolic.motion import Float, Motion  # noqa: E402
 from exoid.symbolic.quantity import JOINTS  # noqa: E402

@@ -23,12 +23,12 @@ sys.path.insert(0, str(ROOT))
 import numpy as np  # noqa: E402 - the repository must be on the path first
 
 from benchmarks.python_updater import Updater  # noqa: E402
-from exoid.diagnosis.watching.front import CUTOFF  # noqa: E402
+from exoid.apps.watch.front import CUTOFF  # noqa: E402
+from exoid.apps.watch.updater import residual_scale, write_updater  # noqa: E402
 from exoid.measurement.bench.leg import standard_leg  # noqa: E402
 from exoid.measurement.bench.simulation import Bench, simulate  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
 from exoid.symbolic.model_file import Numbers  # noqa: E402
-from exoid.workbench.updater import residual_scale, write_updater  # noqa: E402
 
 DRIVER = """#define _POSIX_C_SOURCE 199309L
 #include <stdio.h>

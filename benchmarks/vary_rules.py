@@ -29,14 +29,14 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from exoid.diagnosis.discover import answer_of  # noqa: E402 - the repository must be on the path first
+from exoid.apps.campaign.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
+from exoid.diagnosis.discovery import answer_of  # noqa: E402 - the repository must be on the path first
 from exoid.diagnosis.grading import match  # noqa: E402
 from exoid.diagnosis.question import Question  # noqa: E402
 from exoid.diagnosis.results import Diagnosis  # noqa: E402
 from exoid.diagnosis.rules import RULES, Rules  # noqa: E402
 from exoid.diagnosis.settings import DiscoverySettings  # noqa: E402
 from exoid.diagnosis.thresholds import every_threshold  # noqa: E402
-from exoid.diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
 from exoid.ground.suggest import did_you_mean  # noqa: E402
 from exoid.ground.thresholds import Rule, Threshold  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402

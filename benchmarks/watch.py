@@ -31,12 +31,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.watch_rivals import Filtered, cusum, oracle
 from benchmarks.watched_leg import Truth, drawn, exact_rows
+from exoid.apps.watch.acting import Applied
+from exoid.apps.watch.events import Event
+from exoid.apps.watch.settings import Settings
+from exoid.apps.watch.watcher import Watcher
+from exoid.apps.watch.window import Window
 from exoid.diagnosis.against.result import Differences
-from exoid.diagnosis.watching.acting import Applied
-from exoid.diagnosis.watching.events import Event
-from exoid.diagnosis.watching.settings import Settings
-from exoid.diagnosis.watching.watcher import Watcher
-from exoid.diagnosis.watching.window import Window
 from exoid.measurement.bench.leg import standard_leg
 from exoid.symbolic.model import Model
 from exoid.symbolic.quantity import Estimate

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.diagnosis.watching.front import FrontEnd, Samples
-from exoid.diagnosis.watching.window import window
+from exoid.apps.watch.front import FrontEnd, Samples
+from exoid.apps.watch.window import window
 from exoid.symbolic.model import Model
 
 CUSUM = 12.0

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from exoid.diagnosis.watching.front import CUTOFF
+from exoid.apps.watch.front import CUTOFF
 from exoid.measurement.bench.deflection import at_encoders, rigid_torque
 from exoid.measurement.bench.equation import split_channel
 from exoid.measurement.bench.hidden import Hidden, true_model
@@ -18,7 +18,7 @@ from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, run_bench
 from exoid.measurement.trajectories.trajectory import CENTRE, Fourier, random_trajectory
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.mechanics.payload import LINKS, Payload
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion

@@ -24,25 +24,40 @@ Wherever recordings are asked for, paths, folders, DataFrames, mappings {name: a
 `import exoid` itself costs nothing.
 """
 
-from exoid.places import folders_of_packages, leave_out_folder_of_m
+_ELSEWHERE = {
+    "ExoidError": "exoid.ground.errors",
+    "figure_style": "exoid.ground.figures",
+    "label": "exoid.ground.figures",
+    "new_figure": "exoid.ground.figures",
+    "__version__": "exoid.ground.version",
+    "mechanics": "exoid.symbolic.mechanics.lagrange",  # `exoid.symbolic.mechanics` is a folder
+}
 
-leave_out_folder_of_m()  # first: a `typing.py` lies there perhaps
-__path__ = folders_of_packages()
+_PACKAGES = ("symbolic", "measurement", "optimisation", "diagnosis")
 
-from typing import TYPE_CHECKING  # noqa: E402
 
-from exoid.ground.lazy import lend  # noqa: E402
+def __getattr__(name: str) -> object:
+    """Look a name up in the packages at its first use (PEP 562); AttributeError where none of them has it.
 
-if TYPE_CHECKING:
-    from exoid.diagnosis import *  # noqa: F403
-    from exoid.ground.errors import ExoidError as ExoidError
-    from exoid.ground.figures import figure_style as figure_style
-    from exoid.ground.figures import label as label
-    from exoid.ground.figures import new_figure as new_figure
-    from exoid.ground.version import __version__ as __version__
-    from exoid.measurement import *  # noqa: F403
-    from exoid.optimisation import *  # noqa: F403
-    from exoid.symbolic import *  # noqa: F403
-    from exoid.symbolic.mechanics.lagrange import mechanics as mechanics  # `exoid.symbolic.mechanics` is a folder
+    Nothing is imported before: `python -m exoid` has the current folder on its path until `__main__` removes it.
+    """
+    from importlib import import_module
 
-__all__ = lend(__name__)
+    if name in _ELSEWHERE:
+        return getattr(import_module(_ELSEWHERE[name]), name)
+    if name == "__all__" or not name.startswith("_"):
+        homes = {}
+        from exoid.ground.folder import apps
+
+        for package in (*_PACKAGES, *(f"apps.{app}" for app in apps())):
+            module = import_module(f"exoid.{package}")
+            homes |= dict.fromkeys(getattr(module, "__all__", ()), module)
+        if name == "__all__":
+            return [*homes, *_ELSEWHERE]
+        if name in homes:
+            return getattr(homes[name], name)
+    raise AttributeError(f"module 'exoid' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__getattr__("__all__")})  # type: ignore[misc]

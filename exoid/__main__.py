@@ -1,10 +1,14 @@
 """The command `exoid`, also as `python -m exoid`."""
 
-from __future__ import annotations
-
+import os
 import sys
 
-from exoid.ground.import_path import leave_out_current_folder
+CHECKOUT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+
+if __name__ == "__main__" and not sys.flags.safe_path and os.path.realpath(sys.path[0]) != CHECKOUT:
+    del sys.path[0]  # `python -m` put the current folder there: a `pathlib.py` beside the recordings would be imported
+
+from exoid.ground.import_path import leave_out_current_folder  # noqa: E402
 
 leave_out_current_folder()
 

@@ -51,3 +51,28 @@ def shared_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no example recordings in {folder}")
     return folder
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """A file that nobody may touch, and a name beside it that nobody may make."""
+    path = tmp_path / "home" / "precious"
+    path.parent.mkdir()
+    path.write_text("precious")
+    yield path
+    assert path.read_text() == "precious" and [one.name for one in path.parent.iterdir()] == ["precious"]
+
+
+@pytest.fixture(params=["link", "dangling", "link to a folder", "pipe"])
+def plant(request, elsewhere):
+    """Return what puts something at a place that is no file of exoid's."""
+
+    def do(place):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        if request.param == "pipe":
+            os.mkfifo(place)
+        else:
+            files = {"link": elsewhere, "dangling": elsewhere.with_name("made")}
+            place.symlink_to(files.get(request.param, elsewhere.parent))
+
+    return do

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "exoid")
+PACKAGE = ROOT / "exoid"
+LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "apps", "exoid")
 """Lowest first; a package may import itself and what stands before it."""
 
 METHODS_FROM_ABOVE = {
@@ -20,29 +21,28 @@ METHODS_FROM_ABOVE = {
 the only import that may point up or close a circle.
 """
 
-SOURCES = sorted(path for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
+SOURCES = sorted(PACKAGE.rglob("*.py"))
 
 
 def module_of(path: Path) -> str:
     """Return the name under which the file is imported."""
-    name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
-    return name if layer_of(path) == "exoid" else f"exoid.{name}"
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
 def layer_named(module: str) -> str:
-    """Return the layer that a module belongs to; "" where it is not ours."""
+    """Return the layer that a module belongs to; "" where it is not ours, "exoid" for the files at its top."""
     house, *rest = module.split(".")
     if house != "exoid":
         return ""
     return rest[0] if rest and rest[0] in LAYERS else "exoid"
 
 
-def name_of(path: Path) -> str:
-    return str(path.relative_to(ROOT))
-
-
 def layer_of(path: Path) -> str:
-    return path.relative_to(ROOT).parts[0]
+    return layer_named(module_of(path))
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).as_posix()
 
 
 @cache
@@ -66,7 +66,7 @@ def imported(node: ast.AST) -> list[str]:
 
 
 def from_above(path: Path) -> tuple[str, ...]:
-    return METHODS_FROM_ABOVE.get(path.relative_to(ROOT).as_posix(), ())
+    return METHODS_FROM_ABOVE.get(name_of(path), ())
 
 
 def faults(paths: Iterable[Path], find: Callable[[Path], Iterable[Any]]) -> dict[str, list[Any]]:

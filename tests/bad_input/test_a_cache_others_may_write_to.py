@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from exoid.ground import cache
-from exoid.ground.cache import cache_folder, distrust, read_trusted
+from exoid.ground.cache import cache_folder, distrust, read_trusted, write_trusted
 from exoid.ground.files import sha256
 from exoid.symbolic.codegen.cache import LIBRARY, RECORD, SEAL, GeneratedC, load_library
 from exoid.symbolic.codegen.compiler import EXACT, find_compiler
@@ -98,7 +98,7 @@ def test_what_cannot_be_a_folder_is_no_traceback(tmp_path, monkeypatch):
     "entry is a file", "entry is a link", "pipe for a seal", "planted", "no seal", "seal is a list",
 ])  # fmt: skip
 def test_an_entry_somebody_could_have_made_is_built_again(folder, change, tmp_path, monkeypatch):
-    load_library("kind", "x", EXACT, one)
+    load_library("kind", "x", EXACT, one, ["answer"])
     entry = entry_of(folder)
     asked = []
 
@@ -106,7 +106,7 @@ def test_an_entry_somebody_could_have_made_is_built_again(folder, change, tmp_pa
         asked.append(1)
         return one()
 
-    assert load_library("kind", "x", EXACT, again) is not None and not asked
+    assert load_library("kind", "x", EXACT, again, ["answer"]) is not None and not asked
     library, seal = entry / LIBRARY, entry / SEAL
     if change == "other mode of the entry":
         entry.chmod(0o777)
@@ -142,7 +142,7 @@ def test_an_entry_somebody_could_have_made_is_built_again(folder, change, tmp_pa
         seal.unlink()
     else:
         seal.write_text("[]")
-    found = load_library("kind", "x", EXACT, again)
+    found = load_library("kind", "x", EXACT, again, ["answer"])
     assert asked == [1] and found is not None and not distrust(entry_of(folder))
     assert Path("/etc").is_dir()
 
@@ -150,24 +150,30 @@ def test_an_entry_somebody_could_have_made_is_built_again(folder, change, tmp_pa
 @root
 @compiles
 def test_a_library_of_somebody_else_is_not_loaded(folder):
-    load_library("kind", "x", EXACT, one)
+    load_library("kind", "x", EXACT, one, ["answer"])
     for name in (LIBRARY, RECORD, SEAL, "."):
         os.chown(entry_of(folder) / name, 12345, 12345)
         asked = []
-        load_library("kind", "x", EXACT, lambda asked=asked: asked.append(1) or one())
+        load_library("kind", "x", EXACT, lambda asked=asked: asked.append(1) or one(), ["answer"])
         assert asked == [1], name
 
 
 @compiles
 @posix
-def test_the_umask_does_not_matter(folder):
+def test_the_umask_does_not_matter(tmp_path, monkeypatch):
+    """Nor for the folders above the cache: in ~/.cache that others may write to, it would be distrusted for ever."""
+    folder = tmp_path / "home" / ".cache" / "exoid"
+    monkeypatch.setenv("EXOID_CACHE", str(folder))
     before = os.umask(0)
     try:
-        assert load_library("kind", "x", EXACT, one) is not None
-        assert load_library("kind", "x", EXACT, pytest.fail) is not None
+        assert cache_folder() == folder
+        write_trusted(folder / "record", "text")
+        assert read_trusted(folder / "record", 64) == b"text"
+        assert load_library("kind", "x", EXACT, one, ["answer"]) is not None
+        assert load_library("kind", "x", EXACT, pytest.fail, ["answer"]) is not None
     finally:
         os.umask(before)
-    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert all(stat.S_IMODE(part.stat().st_mode) == 0o700 for part in (folder, folder.parent, folder.parent.parent))
 
 
 @posix

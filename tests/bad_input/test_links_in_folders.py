@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -16,38 +13,10 @@ from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.inside import is_inside, refuse_links
 from exoid.ground.lock import FolderHeld, FolderLock
-from exoid.workbench.campaign.plan import Job, Plan
-from exoid.workbench.campaign.run import run_campaign
-from exoid.workbench.campaign.store import CampaignError, JobStore
 from exoid.workbench.command import main
 from exoid.workbench.command_line.inputs import beside
 
-DEMO = Path(__file__).parents[2] / "workbench" / "demo_data"
-
-
-@pytest.fixture
-def elsewhere(tmp_path):
-    """A file that nobody may touch, and a name beside it that nobody may make."""
-    path = tmp_path / "home" / "precious"
-    path.parent.mkdir()
-    path.write_text("precious")
-    yield path
-    assert path.read_text() == "precious" and [one.name for one in path.parent.iterdir()] == ["precious"]
-
-
-@pytest.fixture(params=["link", "dangling", "link to a folder", "pipe"])
-def plant(request, elsewhere):
-    """Return what puts something at a place that is no file of exoid's."""
-
-    def do(place):
-        place.parent.mkdir(parents=True, exist_ok=True)
-        if request.param == "pipe":
-            os.mkfifo(place)
-        else:
-            files = {"link": elsewhere, "dangling": elsewhere.with_name("made")}
-            place.symlink_to(files.get(request.param, elsewhere.parent))
-
-    return do
+DEMO = Path(__file__).parents[2] / "exoid" / "workbench" / "demo_data"
 
 
 def test_what_is_inside():
@@ -127,60 +96,6 @@ def test_a_mapping_beside_recordings(plant, tmp_path, capsys):
     (folder / "run.csv").write_text(text)
     assert main(["map", str(folder / "run.csv"), "--map", "q1=A,q2=B,tau1=C,tau2=D", "--quiet"]) == 2
     assert "exoid.toml" in capsys.readouterr().err
-
-
-JOB = Job("d1", "compare", {"device": "d1"})
-PLAN = Plan("plan", "compare", (), ("device",), "device", None)
-
-
-@pytest.mark.parametrize("name", ["table.csv", "index.html", ".lock"])
-def test_the_files_of_a_campaign(name, plant, tmp_path):
-    plant(tmp_path / "fleet" / name)
-    plan = Plan("plan", "compare", (), ("device",), "device", None)
-    if name == "table.csv":
-        from exoid.workbench.campaign.table import write_tables
-
-        row = {
-            "name": "d1", "key": "k", "fields": {"device": "d1"}, "status": "refused", "reason": "", "recordings": [],
-            "verify": [], "versions": {}, "seed": 0,
-        }  # fmt: skip
-        with pytest.raises(OSError, match=r"link|ordinary"):
-            write_tables(tmp_path / "fleet", plan, [row])
-        return
-    with pytest.raises((OSError, ExoidError), match=r"link|ordinary"):
-        run_campaign(plan, tmp_path / "fleet", ThreadPoolExecutor(1))
-
-
-@pytest.mark.parametrize("name", ["jobs", "d1"])
-def test_the_answers_of_a_campaign(name, plant, tmp_path):
-    store = JobStore(tmp_path / "fleet", {})
-    path = store.path(JOB, "k")
-    plant(tmp_path / "fleet" / "jobs" if name == "jobs" else path)
-    with pytest.raises(CampaignError, match=r"link|ordinary"):
-        store.read(JOB, "k")
-    with pytest.raises(OSError, match=r"link|ordinary|directory|exists"):
-        store.write(JOB, "k", {"status": "done"})
-
-
-def test_an_answer_that_was_linked_from_another_campaign_is_not_taken(tmp_path):
-    JobStore(tmp_path / "theirs", {}).write(JOB, "k", {"status": "done"})
-    store = JobStore(tmp_path / "fleet", {})
-    path = store.path(JOB, "k")
-    path.parent.mkdir(parents=True)
-    shutil.copy(tmp_path / "theirs" / "jobs" / path.name, path)
-    assert store.read(JOB, "k")["status"] == "done"
-    path.unlink()
-    path.symlink_to(tmp_path / "theirs" / "jobs" / path.name)
-    with pytest.raises(CampaignError, match="is a link"):
-        store.read(JOB, "k")
-
-
-@pytest.mark.parametrize("part", ["runs", "ioh"])
-def test_the_runs_of_a_contest(part, plant, tmp_path, capsys):
-    plant(tmp_path / "out" / part)
-    small = ["--only", "nfo", "--seeds", "2", "--generations", "2", "--individuals", "4", "--jobs", "1", "--quiet"]
-    assert main(["rivals", str(DEMO / "train_1.csv"), *small, "--out", str(tmp_path / "out")]) == 2
-    assert "Traceback" not in capsys.readouterr().err
 
 
 def test_a_lock_is_one_process_at_a_time_and_its_file_the_folders_own(plant, tmp_path):

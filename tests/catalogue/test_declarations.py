@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exoid.ground.errors import EffectError
-from exoid.symbolic.catalogue import catalogue, find_effect
+from exoid.symbolic.effect_catalogue import catalogue, find_effect
 from exoid.symbolic.effect_declaration import texts
 from exoid.symbolic.language.lower import to_numpy
 from exoid.symbolic.language.words import read_text
@@ -180,7 +180,7 @@ def test_the_catalogue_itself_needs_no_arrays_and_no_algebra():
         "package = types.ModuleType('exoid.symbolic')\n"
         "package.__path__ = importlib.util.find_spec('exoid.symbolic').submodule_search_locations\n"
         "sys.modules['exoid.symbolic'] = package\n"
-        "from exoid.symbolic.catalogue import catalogue\n"
+        "from exoid.symbolic.effect_catalogue import catalogue\n"
         "assert catalogue()\n"
         "print([m for m in ('numpy', 'sympy', 'casadi', 'scipy') if m in sys.modules])\n"
     )

@@ -6,8 +6,8 @@ import pytest
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, run_bench
-from exoid.symbolic.catalogue import find_effect
 from exoid.symbolic.effect import Coefficient, Effect
+from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.effect_declaration import check_effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion

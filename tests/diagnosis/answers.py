@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.measurement.auditing.convention import check_conventions
 from exoid.measurement.recording import Recording
 from exoid.symbolic.model import Model

@@ -96,7 +96,7 @@ def search(
     )
     library = build_library(Model.standard(), prepared.all)
     few = Library(tuple(library.find(name) for name in candidates))
-    return SearchContext(prepared, few, seed=0, rules=replace(rules, placebos=199, least_seconds=1.0))
+    return SearchContext(prepared, few, seed=0, rules=replace(rules, placebos=199, least_periods=5.0))
 
 
 def state_with(context: SearchContext, *names: str) -> State:

@@ -3,7 +3,7 @@
 import pytest
 
 from exoid.diagnosis.rules import RULES
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 
 
 @pytest.mark.shows("placebos", "level")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from exoid.diagnosis.compare import compare
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.comparison import compare
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.channels import channel_findings, doubts_after, doubts_before
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 @cache
 def answers(threads: int = 1, kernel: str = "", change: float = 0.0) -> Any:
     """Return what another process says: with so many threads, the `kernel` of another processor, inputs changed."""
-    given = {"OPENBLAS_NUM_THREADS": str(threads), "OMP_NUM_THREADS": str(threads), "EXOID_PROCESSES": "1"}
+    given = {"OPENBLAS_NUM_THREADS": str(threads), "OMP_NUM_THREADS": str(threads)}
     if kernel:
         given["OPENBLAS_CORETYPE"] = kernel
     run = subprocess.run(

@@ -140,7 +140,7 @@ def test_noise_is_called_significant_as_often_as_it_should_be():
     from exoid.diagnosis.evidence.candidates import Candidate
     from exoid.diagnosis.evidence.placebo import placebo
     from exoid.diagnosis.evidence.score import Score
-    from exoid.symbolic.catalogue import find_effect
+    from exoid.symbolic.effect_catalogue import find_effect
     from exoid.symbolic.term import Term
 
     candidate = Candidate(Term(find_effect("viscous_asymmetry"), "hip"), np.zeros((2, 1, 0)), False)

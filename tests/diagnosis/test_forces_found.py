@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exoid.diagnosis.compare import compare
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.comparison import compare
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.pushes import turned_force, wanted_gains
 from exoid.measurement.auditing.audit import audit

@@ -9,7 +9,7 @@ leg still until it slips.
 import numpy as np
 import pytest
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.measurement.bench.walk import Walk
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.model import Model

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.measurement.bench.hidden import parse_hidden
 from exoid.measurement.bench.leg import random_leg, standard_leg
 from exoid.measurement.bench.simulation import simulate_runs

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.compare import compare
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.comparison import compare
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence import intermittent as module
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent

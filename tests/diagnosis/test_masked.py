@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.compare import compare
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.comparison import compare
+from exoid.diagnosis.discovery import discover
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.symbolic.model import Model

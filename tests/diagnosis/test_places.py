@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
 from exoid.diagnosis.extend import add
 from exoid.measurement.bench.hidden import parse_hidden

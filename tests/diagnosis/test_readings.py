@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from exoid.diagnosis.discover import discover, in_words
+from exoid.diagnosis.discovery import discover, in_words
 from exoid.diagnosis.readings import is_reading, readings_of, thigh_length
 from exoid.diagnosis.results import Accepted
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import simulate_runs
-from exoid.symbolic.catalogue import find_effect
+from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Limits, Model
 

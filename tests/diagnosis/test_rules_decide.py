@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-import exoid.diagnosis.discover  # noqa: F401
+import exoid.diagnosis.discovery  # noqa: F401
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.consistency import differing
 from exoid.diagnosis.evidence.score import admissible, harmless
@@ -27,8 +27,8 @@ from exoid.diagnosis.search.doubt import (
 )
 from exoid.diagnosis.search.possible import possible_of
 from exoid.diagnosis.verdict import _deciding, _nearest, conclude
-from exoid.symbolic.catalogue import catalogue
 from exoid.symbolic.effect import Coefficient, Shape
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.term import Term
 
 
@@ -106,7 +106,7 @@ def test_what_shows_only_beside_standstill_is_no_elastic_drive(blocks, doubted):
 
 @pytest.mark.parametrize("delay", [0.02, -0.02])
 def test_a_filter_is_asked_about_where_a_torque_is_late(monkeypatch, delay):
-    asked, module = [], sys.modules["exoid.diagnosis.discover"]
+    asked, module = [], sys.modules["exoid.diagnosis.discovery"]
     monkeypatch.setattr(module, "filtered", lambda without, joints, rules: asked.append((without, joints)))
     context = search({"time_delay:knee": ([], [delay])}, ["time_delay:knee", "time_delay:hip"])
     state = state_with(context, "time_delay:knee")

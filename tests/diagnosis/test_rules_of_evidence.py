@@ -48,7 +48,8 @@ def candidate(**more) -> SimpleNamespace:
     """A candidate of one coefficient without bounds, at one node for every recording."""
     term = SimpleNamespace(effect=SimpleNamespace(coefficients={"c": Coefficient("N·m")}), placed_shape={})
     usual = {"change": False, "tangent": False, "term": term, "common": np.arange(1), "per_recording": []}
-    return SimpleNamespace(**(usual | {"nodes": np.zeros((1, 1, 0)), "name": "it", "numbers": 1} | more))
+    usual |= {"nodes": np.zeros((1, 1, 0)), "name": "it", "numbers": 1, "joints": (0,)}
+    return SimpleNamespace(**(usual | more))
 
 
 def at(*columns: np.ndarray) -> list[Columns]:
@@ -180,10 +181,7 @@ def test_a_placebo_tries_a_hundred_nodes_at_most(nodes, tried):
 @pytest.mark.shows("placebo_for")
 def test_the_best_dozen_gets_placebos(monkeypatch):
     several = [candidate(name=str(k), width=1) for k in range(20)]
-    library = SimpleNamespace(
-        candidates=several, rooms=lambda todo, fitted: [[] for _ in todo],
-        fill=lambda *asked: None, keep=lambda *asked: [],
-    )  # fmt: skip
+    library = SimpleNamespace(candidates=several, columns=lambda *asked: [])
 
     def weighs(evidence, one, columns):
         return Score(one, np.zeros(1, int), 0.9 - 0.01 * int(one.name), np.zeros(1), None, np.zeros(1), 1.0, True)
@@ -222,7 +220,7 @@ def test_a_rival_that_lags_clearly_is_no_look_alike_unless_it_is_simpler_and_as_
     rival = SimpleNamespace(name="rival", share=share, candidate=candidate(numbers=numbers))
     losses = {"best": np.full(16, 9.0), "rival": 9.0 + lag / 4.0 + np.tile([1.0, -1.0], 8)}
     monkeypatch.setattr(look_alikes, "gains_beside", lambda *asked: False)
-    monkeypatch.setattr(look_alikes, "block_losses", lambda evidence, grams, columns: losses[columns])
+    monkeypatch.setattr(look_alikes, "joint_losses", lambda evidence, grams, columns: losses[columns][None])
     evidence = SimpleNamespace(rules=RULES, plain=lambda columns: None)
     assert ("rival" in look_alikes.look_alikes(evidence, (best, "best"), [(rival, "rival")])) is alike
 

@@ -50,7 +50,7 @@ def chosen(losses, monkeypatch, failed=()):
     """What a refit chooses of candidates with these numbers and losses in 16 blocks, {name: (numbers, losses)}."""
 
     def with_term(extension, one):
-        fitted = SimpleNamespace(block_losses=lambda scale, rules: losses[one.name][1])
+        fitted = SimpleNamespace(joint_losses=lambda scale, rules: losses[one.name][1][None])
         return choice.Extension(fitted, one)
 
     # What a score was refined to has one node, the columns that are kept have all: only the library's goes with them.

@@ -6,9 +6,7 @@ import cloudpickle
 import numpy as np
 import pytest
 
-from exoid.diagnosis.evidence.ranking import rank
 from exoid.diagnosis.session.session import Session
-from exoid.ground.engines.workers import PROCESSES
 from exoid.ground.toml_reader import Table
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.custom_effect import read_custom_effect
@@ -50,17 +48,6 @@ def test_the_missing_effect_comes_first_and_placebos_do_not_match_it(session, ra
     best = ranking.scores[0]
     assert best.name == "load_friction:knee" and best.significant
     assert ranking.draws[best.name] == session.rules.placebos
-
-
-def test_copies_of_the_process_find_the_same(session, monkeypatch):
-    def ranked(count):
-        monkeypatch.setenv(PROCESSES, count)
-        fresh = type(session.library)(session.library.candidates)
-        return rank(evidence, fresh, session.fitted())
-
-    evidence = session.fitted().evidence(seed=0, draws=50)
-    for one, other in zip(ranked("1"), ranked("2"), strict=True):
-        assert one.to_plain() == other.to_plain() and (one.name, one.p_value) == (other.name, other.p_value)
 
 
 def test_what_would_be_left_is_what_is_left(session, ranking):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.extend import add
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.model import Model

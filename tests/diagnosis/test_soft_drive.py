@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence import soft_drive as soft_drives
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.soft_drive import plainly_soft, soft_drive, twist

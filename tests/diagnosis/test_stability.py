@@ -9,21 +9,23 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.enough_motion import fitted_seconds, little_motion
 from exoid.diagnosis.evidence.gain import robust_weight
 from exoid.diagnosis.evidence.model_error import noise_with
 from exoid.diagnosis.evidence.repeats import Repeats
 from exoid.diagnosis.evidence.stability import Splits, splits_of
 from exoid.diagnosis.results import stability_of
 from exoid.diagnosis.rules import RULES
-from exoid.diagnosis.search.doubt import Objection, doubt, on_bound, too_short, undetermined
+from exoid.diagnosis.search.doubt import Objection, doubt, on_bound, undetermined
 from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.search.possible import agreements_of, possible_of
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 OFFSET = {"torque_offset:knee": ([0.6], [])}
 
@@ -180,15 +182,51 @@ def test_what_few_splits_support_is_listed_as_possible():
     assert possible_of(context, state, False) == ()
 
 
-@pytest.mark.shows("least_seconds")
-def test_nothing_is_accepted_on_a_few_seconds_and_enough_is_said():
+@pytest.mark.shows("least_periods")
+def test_nothing_is_accepted_on_a_few_periods_and_enough_is_said():
     context = search(OFFSET, ["torque_offset:knee"], scales=(1.0,), verify=0)
-    text = too_short(context.prepared, RULES)
+    text = little_motion(context.prepared, RULES)
     assert "s of motion" in text
-    assert "15 s are enough" in text
-    assert too_short(search(OFFSET, ["torque_offset:knee"]).prepared, RULES) == ""
+    assert "75 periods, 15 s, are enough" in text
+    assert little_motion(search(OFFSET, ["torque_offset:knee"]).prepared, RULES) == ""
     after = state_with(context, "torque_offset:knee").last
     assert doubt(after, after, context.prepared.noise_floor, RULES) == Objection(text)
+
+
+def slowed(prepared, times):
+    """Return recordings as they would be if everything had taken `times` as long."""
+    def one(each):
+        path = each.motion
+        slow = Motion(path.t * times, path.q, path.dq / times, path.ddq / times**2, path.sign)
+        return replace(each, motion=slow, cutoff=each.cutoff / times, rate=each.rate / times)
+
+    choice = replace(prepared.choice, cutoff=prepared.choice.cutoff / times)
+    return replace(prepared, train=tuple(map(one, prepared.train)), choice=choice)
+
+
+@pytest.mark.parametrize("times", [0.1, 1.0, 10.0])
+def test_the_same_motion_is_as_much_however_fast_it_was(times):
+    prepared = slowed(search(OFFSET, ["torque_offset:knee"]).prepared, times)
+    assert fitted_seconds(prepared) == pytest.approx(33.0 * times, rel=0.02)
+    assert little_motion(prepared, RULES) == ""
+
+
+@pytest.mark.shows("least_strokes")
+def test_what_a_joint_showed_in_few_strokes_is_not_accepted_there():
+    """The knee goes one way and back, and stays; the hip moves all the time."""
+    prepared = search(OFFSET, ["torque_offset:knee"]).prepared
+
+    def lazy(each):
+        path, end = each.motion, len(each.motion.t) // 2
+        q, dq = path.q.copy(), path.dq.copy()
+        q[:, 1] = np.sin(np.pi * np.minimum(np.arange(len(q)), end) / end) ** 2
+        dq[:, 1] = np.gradient(q[:, 1], path.t)
+        return replace(each, motion=replace(path, q=q, dq=dq))
+
+    part = replace(prepared, train=tuple(map(lazy, prepared.train[:2])), choice=replace(prepared.choice, cutoff=9.0))
+    assert little_motion(part, RULES) == "" and little_motion(part, RULES, (0,)) == ""
+    assert "4 strokes of the knee" in little_motion(part, RULES, (1,))
+    assert little_motion(part, replace(RULES, least_strokes=4), (1,)) == ""
 
 
 @pytest.mark.slow

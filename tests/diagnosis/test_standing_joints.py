@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.compare import compare
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.comparison import compare
+from exoid.diagnosis.discovery import discover
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.model import Model

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid.diagnosis.compare import compare
+from exoid.diagnosis.comparison import compare
 from exoid.diagnosis.evidence import strides as module
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import fitted_model

@@ -9,7 +9,7 @@ from exoid.measurement.bench.equation import belongs_to_channel
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, run_bench
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 
 IDEAL = Bench(duration=5.0, lead_in=0.0, sensors=Sensors.ideal())
 EVERYWHERE = [

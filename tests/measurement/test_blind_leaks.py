@@ -9,7 +9,7 @@ from exoid.measurement.bench.blind import write_runs
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.reading.read import read_recording
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 
 SHORT = Bench(duration=4.0)
 HIDDEN = ((), (Hidden("stribeck", "knee"),), (Hidden("gravity_tilt"), Hidden("torque_ripple", "hip")))

@@ -7,8 +7,6 @@ import pytest
 from tables import leg
 
 from exoid.ground.errors import RecordingError
-from exoid.measurement.reading.live import Lines
-from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.joints import Joint
@@ -134,20 +132,6 @@ def test_a_cell_without_a_number_leaves_the_product_without_one():
     volts[100] = np.nan
     recording = read_recording(changed(duty=LEG["tau1"], volts=volts), {"tau1": "duty*volts"})
     assert np.flatnonzero(~recording.torque_valid[:, 0]).tolist() == [100]
-
-
-@pytest.mark.parametrize(
-    "lines",
-    [
-        'time,A,B,duty,volts,M\n0.00,0.1,-0.9,0.5,24,3\n0.01,0.1,-0.9,0.5,12,3\n',
-        "".join(f'{{"time": {t}, "A": 0.1, "B": -0.9, "duty": 0.5, "volts": {v}, "M": 3}}\n'
-                for t, v in ((0.0, 24), (0.01, 12))),
-    ],
-)  # fmt: skip
-def test_a_product_is_a_channel_of_samples_that_come_one_by_one(lines):
-    told = StatedMapping({"q1": "A", "q2": "B", "tau1": "duty*volts", "tau2": "M"}, {"tau1": "Nm*2"})
-    rows = Lines(told=told).feed(lines, last=True)
-    assert rows[:, 3].tolist() == [24.0, 12.0]
 
 
 def test_a_passive_joint_needs_no_torque_column():

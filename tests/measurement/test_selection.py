@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.ground.errors import RecordingError
 from exoid.measurement import stance
 from exoid.measurement.finding import SELECTION

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.watching.watcher import Watcher
 from exoid.ground.errors import EffectError, RecordingError
 from exoid.measurement.bench.machine import standard_machine
 from exoid.measurement.bench.simulation import Bench, run_bench
@@ -73,9 +72,8 @@ def test_a_recording_without_the_base_is_refused_and_a_base_that_nobody_asked_fo
 
 
 def test_what_takes_the_base_to_stand_still_says_so():
-    for act in (lambda: Watcher(PACK), lambda: design(PACK)):
-        with pytest.raises(EffectError, match="that of this model is measured"):
-            act()
+    with pytest.raises(EffectError, match="that of this model is measured"):
+        design(PACK)
 
 
 def test_a_leg_of_the_usual_length_may_hang_from_a_measured_base():

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.compare import compare
+from exoid.diagnosis.comparison import compare
 from exoid.ground.errors import RecordingError
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.reading.names import recognise

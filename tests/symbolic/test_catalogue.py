@@ -10,7 +10,7 @@ import sympy
 
 from exoid.ground.errors import EffectError
 from exoid.symbolic import effects
-from exoid.symbolic.catalogue import FAMILIES, catalogue, find_effect
+from exoid.symbolic.effect_catalogue import FAMILIES, catalogue, find_effect
 from exoid.symbolic.effect_declaration import check_effect, texts
 from exoid.symbolic.language.instant import split_memory
 from exoid.symbolic.language.lower import to_casadi, to_numpy, to_sympy
@@ -258,5 +258,5 @@ def test_a_new_file_is_a_new_effect(folder):
 )
 def test_a_file_that_is_no_effect_is_named(folder, source):
     (folder / "trial_b.py").write_text(source)
-    with pytest.raises(EffectError, match=r"symbolic/effects/trial_b\.py: the file does not define"):
+    with pytest.raises(EffectError, match=r"exoid/symbolic/effects/trial_b\.py: the file does not define"):
         catalogue.__wrapped__()

@@ -9,8 +9,8 @@ import sympy
 
 import exoid
 from exoid.symbolic.codegen.kernel import compiled
-from exoid.symbolic.equations import EquationError
 from exoid.symbolic.joints import Joint
+from exoid.symbolic.model_equations import EquationError
 from exoid.symbolic.motion import Motion
 from exoid.symbolic.writing_equations import FORMATS
 

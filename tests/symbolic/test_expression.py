@@ -245,7 +245,7 @@ def test_the_longest_text_still_parses_and_lowers():
 def test_the_catalogue_loads_without_symbolic_algebra():
     code = (
         "import sys, exoid.symbolic.effect_declaration, exoid.symbolic.language.lower;"
-        "from exoid.symbolic.catalogue import catalogue; catalogue();"
+        "from exoid.symbolic.effect_catalogue import catalogue; catalogue();"
         "print([m for m in ('sympy', 'casadi', 'scipy', 'matplotlib') if m in sys.modules])"
     )
     root = Path(__file__).resolve().parents[2]

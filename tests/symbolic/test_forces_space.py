@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.compare import compare
+from exoid.diagnosis.comparison import compare
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.pushes import turned_force
 from exoid.ground.errors import EffectError

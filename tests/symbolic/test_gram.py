@@ -114,7 +114,7 @@ def test_the_sine_of_the_generated_code():
         + template("sine.h")
         + "void many(long n, const double *x, double *y) { for (long k = 0; k < n; ++k) y[k] = exoid_sin(x[k]); }\n"
     )
-    found = load_library("sine", [text], EXACT, lambda: GeneratedC(text, EXACT, {}))
+    found = load_library("sine", [text], EXACT, lambda: GeneratedC(text, EXACT, {}), ["many"])
     if found is None:
         pytest.skip("no C compiler")
     x = np.linspace(-20.0, 20.0, 100_001)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exoid.symbolic import Model, Motion
-from exoid.symbolic.catalogue import catalogue
 from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.effect_catalogue import catalogue
 
 TERMS = [
     (effect.id, joint) for effect in catalogue().values() for joint in ((None,) if effect.on_both else effect.joints)

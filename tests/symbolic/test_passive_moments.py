@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.ground.errors import EffectError
 from exoid.measurement.bench.simulation import Bench, simulate_runs
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 from exoid.measurement.bench.hidden import parse_hidden
 from exoid.measurement.bench.leg import Leg, Segment, standard_leg
 from exoid.measurement.bench.machine import standard_machine

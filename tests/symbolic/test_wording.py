@@ -1,7 +1,7 @@
 """Sentences name effects and numbers in words; an id that nothing is known of stays as it is."""
 
 from exoid.symbolic import Coefficient, Effect
-from exoid.symbolic.catalogue import every_effect, find_effect
+from exoid.symbolic.effect_catalogue import every_effect, find_effect
 from exoid.symbolic.wording import called, number_called, number_said, title_of
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from exoid.measurement.bench.leg import random_leg, standard_leg
 from exoid.measurement.trajectories.trajectory import random_trajectory
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.model import Model
 from exoid.symbolic.model_file import Numbers, write_model
 from exoid.symbolic.motion import Motion

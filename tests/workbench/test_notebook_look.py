@@ -14,7 +14,7 @@ from exoid.measurement.trajectories.trajectory import paper_trajectory
 from exoid.optimisation import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic import Model
-from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect_catalogue import catalogue
 from exoid.workbench.commands.demo import DATA
 
 

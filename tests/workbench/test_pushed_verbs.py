@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exoid.diagnosis import Session
 from exoid.diagnosis.separation.design import separate
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import Bench, simulate_runs
@@ -15,7 +14,6 @@ from exoid.symbolic.model_file import Numbers
 from exoid.symbolic.motion import Motion
 from exoid.workbench.export import numpy
 from exoid.workbench.identified import Options, ready
-from exoid.workbench.page import views
 from tests.exported_module import python_module
 
 FORCES = (Force("thigh cuff", "hip", ("f1",), 0.28), Force("shank cuff", "knee", ("f2",), 0.21))
@@ -44,8 +42,3 @@ def test_rivals_of_pushed_recordings_are_fitted_with_what_pushed(recordings):
     found = separate(WORN, ["load_friction:knee", "stribeck:knee"], recordings, generations=2, seed=1)
     assert found.rivals[0].own["load_friction:knee.c"] == pytest.approx(0.25, abs=0.01)
     assert np.all(found.noise.sd < 0.35) and found.separable
-
-
-def test_the_page_tells_the_forces_that_are_used(recordings):
-    told = [one.sentence for one in views._forces(Session(Model.standard(), recordings).fitted())]
-    assert [text.partition(" (")[0] for text in told] == ["thigh cuff", "shank cuff"]

@@ -24,6 +24,7 @@ from exoid.ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from exoid.measurement.finding import Finding
 from exoid.workbench.report.material import Material, command_of
 from exoid.workbench.report.page import figure_file_name, find_sections, render_report, write_report
+from tests.waiting import HUNG
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
@@ -193,7 +194,7 @@ def visit(tmp_path_factory):
             [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
              f"--user-data-dir={folder / 'profile'}", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
              "--virtual-time-budget=4000", "--dump-dom", f"http://127.0.0.1:{server.server_port}/frame.html"],
-            capture_output=True, text=True, timeout=60, check=False,
+            capture_output=True, text=True, timeout=HUNG, check=False,
         )  # fmt: skip
     finally:
         server.shutdown()

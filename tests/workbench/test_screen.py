@@ -14,6 +14,7 @@ from exoid.ground.plain import plain
 from exoid.workbench.command_line.files import OutputError, check_folder, json_text, make_folder, write_text
 from exoid.workbench.terminal import progress as waiting
 from exoid.workbench.terminal.screen import Screen, bar
+from tests.waiting import HUNG
 
 
 def test_no_terminal_no_bar(capsys):
@@ -27,7 +28,7 @@ def test_a_bar_appears_when_work_lasts(quiet, shown, monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     monkeypatch.setattr(waiting, "PATIENCE", 0.01)
     monkeypatch.setenv("TERM", "xterm")
-    seen, until = "", time.monotonic() + (60.0 if shown else 0.5)
+    seen, until = "", time.monotonic() + (HUNG if shown else 0.5)
     with waiting.progress("working", quiet=quiet) as report:
         while "half way" not in seen and time.monotonic() < until:  # drawn from another thread, when it has its turn
             report(0.5, "half way")

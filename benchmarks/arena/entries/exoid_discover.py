@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchmarks.arena.task import Answer, Task
-from exoid.diagnosis.discover import discover
+from exoid.diagnosis.discovery import discover
 
 TITLE = "exoid, `discover`"
 

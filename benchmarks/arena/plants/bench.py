@@ -1,6 +1,6 @@
 """Our own bench, as the blind trials draw its machines, with instruments of several qualities.
 
-KIND[@NOISE]/WHAT/SEED: a kind of `diagnosis/trials`, or short (8 s a run); NOISE N·m of the torque sensors
+KIND[@NOISE]/WHAT/SEED: a kind of `exoid/apps/campaign/trials`, or short (8 s a run); NOISE N·m of the torque sensors
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.arena.task import Run, Sealed, number_of
-from exoid.diagnosis.trials.cases import CONVENTION, PASSIVE, Case, cases, hide, singles, subject
-from exoid.diagnosis.trials.chains import CHAINS
-from exoid.diagnosis.trials.machines import MACHINES, kept_in, without_knee_drive
+from exoid.apps.campaign.trials.cases import CONVENTION, PASSIVE, Case, cases, hide, singles, subject
+from exoid.apps.campaign.trials.chains import CHAINS
+from exoid.apps.campaign.trials.machines import MACHINES, kept_in, without_knee_drive
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.leg import Leg
 from exoid.measurement.bench.sensors import Sensors

@@ -1,1 +1,0 @@
-"""While it runs, and afterwards: what changed between motion before and motion after, and when."""

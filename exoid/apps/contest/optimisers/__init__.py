@@ -1,0 +1,1 @@
+"""Optimisers of pymoo, as `exoid/optimisation/optimisers` has its own: one file each."""

@@ -1,0 +1,1 @@
+"""Formats of `exoid export`, as `exoid/workbench/export` has its own: one file each."""

@@ -1,0 +1,1 @@
+"""The estimator in C as a format of `exoid export`."""

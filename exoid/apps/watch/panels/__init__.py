@@ -1,0 +1,1 @@
+"""The panel of the page that plays a recording through a watch."""

@@ -1,0 +1,235 @@
+"""Model against measurement: how large the error is, and where it is.
+
+The share of a joint's error that follows a variable is what a smooth curve in it predicts on blocks the curve has not
+seen, so that chance explains nothing (and may come out negative, which is reported as zero). What a variable says
+beyond one curve, near which values and at reversals, is measured on the residual itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from exoid.diagnosis.evidence.channels import OUTSIDE, channel_findings
+from exoid.diagnosis.evidence.curves import variables
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.remainder import Remainder, remainders
+from exoid.diagnosis.evidence.strides import Strides, strides_of
+from exoid.diagnosis.outside import ForceUse, force_uses
+from exoid.diagnosis.plots import against
+from exoid.diagnosis.reported import Reported
+from exoid.diagnosis.torques import torques_over_time
+from exoid.diagnosis.where import Where, samples_of, where_it_sits
+from exoid.ground.frames import pandas
+from exoid.ground.html import picture, table
+from exoid.ground.plain import AsJson, by_name
+from exoid.measurement.finding import Finding
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length
+from exoid.optimisation.preparation.noise import mean_square
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+MOST_FIGURES = 4
+"""Places of the error that are drawn, the largest first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison(Reported, AsJson):
+    """A fitted model compared with recordings; all RMS (J,) in N·m after the common filter.
+
+    `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
+    `noise_floor` estimated without a model. `where` is ranked, the largest share first. `curves` are behind it.
+    `forces` are the measured ones of the model: where each acts, and what it makes. `strides` are those of the shown
+    recordings, None where the motion has none.
+    """
+
+    fit: Fit
+    rms: Float
+    verify_rms: Float | None
+    signal_rms: Float
+    noise_floor: Float
+    sse_verify_rms: Float | None
+    where: tuple[Where, ...]
+    per_recording: tuple[tuple[str, Float], ...]
+    cutoff: str
+    audit: tuple[Finding, ...]
+    now: FittedModel = field(repr=False)
+    curves: tuple[Remainder, ...] = field(repr=False)
+    thigh_length: ThighLength | None = None
+    forces: tuple[ForceUse, ...] = ()
+    strides: Strides | None = None
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints (J,), in the order of every list per joint."""
+        return self.now.model.joint_names
+
+    @property
+    def unit(self) -> str:
+        """Unit of the torques, in words."""
+        return self.now.model.torque_unit
+
+    @property
+    def rms_of(self) -> dict[str, Float]:
+        """RMS (J,) of each recording by its name."""
+        return dict(self.per_recording)
+
+    @property
+    def misread(self) -> tuple[Finding, ...]:
+        """What says that the recordings keep another convention."""
+        return self.now.prepared.misread
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return where the error is, one row each."""
+        return pandas().DataFrame([w.to_json() for w in self.where], columns=["joint", "variable", "share", "sentence"])
+
+    def plot(self) -> Figure:
+        """Draw measured and modelled torque over time, with what is left."""
+        return torques_over_time({"model": self.now})
+
+    def before_and_after(self, after: Fit) -> tuple[str, str, Figure]:
+        """Return (title, alternative text, figure): the measured torque, this model and the one of `after`.
+
+        On the first recording that is held out, or the first of all.
+        """
+        other = fitted_model(after, self.now.prepared)
+        held_out = self.verify_rms is not None
+        pairs = zip(self.joints, self.now.evaluation_rms, other.evaluation_rms, strict=True)
+        text = "; ".join(f"{joint}: error {b:.3g} before, {a:.3g} {self.unit} after" for joint, b, a in pairs)
+        kind = "unseen motion" if held_out else "the fitted motion"
+        figure = torques_over_time({"before": self.now, "after": other})
+        return f"Measured, before and after, on {kind}", text, figure
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure) of everything there is to see."""
+        alt = f"Torque of {' and '.join(self.joints)} over time, measured and modelled, with the difference below each."
+        out = [("Measured and modelled torque", alt, self.plot())]
+        if self.strides is not None:
+            out.append(("Torque and error over the stride", self.strides.sentence, self.strides.plot()))
+        drawn: dict[tuple[str, str], Where] = {}
+        for one in self.where:
+            drawn.setdefault((one.joint, one.variable), one)
+        for one in list(drawn.values())[:MOST_FIGURES]:
+            words = variables(self.now.model.joints)[one.variable]
+            at = samples_of(self.now, one.joint, one.variable)
+            names = [recording.name for recording in self.now.prepared.all]
+            groups = {
+                "direction": {"moving up": at.speed > 0.0, "moving down": at.speed < 0.0},
+                "recording": {name: at.recording == k for k, name in enumerate(names)},
+            }.get(one.split, {})
+            unit = self.now.model.joints[self.joints.index(one.joint)].unit("tau")
+            picture = against(one.joint, words, at.x, at.y, at.block, groups, unit)
+            out.append((f"{one.joint}: error against {words[0]}", one.sentence, picture))
+        return out
+
+    def __repr__(self) -> str:
+        shown = self.rms if self.verify_rms is None else self.verify_rms
+        kind = "fitted motion (nothing is held out)" if self.verify_rms is None else "unseen motion"
+        numbers = ", ".join(
+            f"{joint} {e:.3g} of {s:.3g} {self.unit} (noise floor {n:.2g})"
+            for joint, e, s, n in zip(self.joints, shown, self.signal_rms, self.noise_floor, strict=True)
+        )
+        doubts = [f"  {finding}" for finding in self.misread]
+        return "\n".join([f"error on {kind}: {numbers}", *doubts, *(f"  {w.sentence}" for w in self.where[:6])])
+
+    def _repr_html_(self) -> str:
+        unseen = [None] * len(self.joints) if self.verify_rms is None else self.verify_rms.tolist()
+        size = [
+            (joint, float(self.signal_rms[j]), float(self.rms[j]), unseen[j], float(self.noise_floor[j]))
+            for j, joint in enumerate(self.joints)
+        ]
+        where = [(f"{100 * w.share:.0f} %", w.sentence, w.caution) for w in self.where[:6]]
+        return (
+            table((f"RMS [{self.unit}]", "torque", "error, fitted", "error, unseen", "noise floor"), size)
+            + picture(self.plot(), "Torque over time, measured and modelled, with what is left")
+            + (table(("share", "where the error sits", "caution"), where) if where else "")
+        )
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "joints": self.joints, "rms": self.rms, "verify_rms": self.verify_rms, "signal_rms": self.signal_rms,
+            "noise_floor": self.noise_floor, "sse_verify_rms": self.sse_verify_rms, "where": self.where,
+            "per_recording": self.rms_of, "filter": self.cutoff, "parameters": by_name(self.fit.estimates),
+            "forces": self.forces, "strides": self.strides, "thigh_length": self.thigh_length, "audit": self.audit,
+        }  # fmt: skip
+
+
+def compare(
+    model: Model | Fit | Given | None = None,
+    recordings: Given | None = None,
+    verify: Given = (),
+    *,
+    cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
+) -> Comparison:
+    """Fit `model` to `recordings` (or take a Fit as it is) and hold it against them and `verify`.
+
+    Both are what `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many; alone they are of the
+    standard leg. Refuses recordings
+    that are too short or do not determine the model.
+    """
+    asked, recordings, verify = question_of(model, recordings, verify)
+    leg: Model = asked.model if isinstance(asked, Fit) else pushed_model(asked, (*recordings, *verify))
+    prepared = prepare(leg, recordings, verify, cutoff=cutoff, derivative=derivative)
+    fit = asked if isinstance(asked, Fit) else identify(leg, prepared.train, optimisers=())
+    return compare_prepared(fit, prepared)
+
+
+def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
+    """Hold a Fit against recordings that are prepared already."""
+    now = fitted_model(fit, prepared)
+    unseen = verification(fit, prepared)
+    doubts = channel_findings(now)
+    length = None if any(one.check == OUTSIDE for one in doubts) else wanted_thigh_length(fit, prepared)
+    curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0)
+    shown = prepared.verify or prepared.train
+    return Comparison(
+        fit=fit,
+        rms=now.train_rms,
+        verify_rms=now.verify_rms,
+        signal_rms=np.sqrt(mean_square([one.torque for one in shown], shown)),
+        noise_floor=prepared.noise_floor,
+        sse_verify_rms=None if unseen is None else unseen.sse,
+        where=where_it_sits(now, curves),
+        per_recording=tuple(now.per_recording),
+        cutoff=prepared.choice.reason,
+        audit=(*prepared.findings, *doubts, *(() if length is None else (length.finding(),))),
+        thigh_length=length,
+        now=now,
+        curves=tuple(curves),
+        forces=force_uses(now),
+        strides=strides_of(now),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Verification(AsJson):
+    """RMS error (J,) in N·m on unseen recordings of the Huber and of the SSE parameters: the paper's check."""
+
+    huber: Float
+    sse: Float
+
+    def _json(self) -> dict[str, Any]:
+        return {"verify_rms": self.huber, "sse_verify_rms": self.sse}
+
+
+def verification(fit: Fit, prepared: Prepared) -> Verification | None:
+    """Return the errors on the verification recordings; None without any."""
+    if not prepared.verify:
+        return None
+    shapes = np.broadcast_to(fit.sse.shape, np.shape(fit.shapes))
+    first = replace(fit, linear=fit.sse.linear, shape=fit.sse.shape, shapes=shapes)
+    pair = [fitted_model(one, prepared).verify_rms for one in (fit, first)]
+    return Verification(np.asarray(pair[0]), np.asarray(pair[1]))

@@ -1,0 +1,237 @@
+"""Compare, diagnose, add, and again, until nothing that helps on unseen motion is left (`search`), and say so."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Unpack
+
+import numpy as np
+
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.apart import OTHERS, apart, explained_alone, still_apart, why_apart
+from exoid.diagnosis.evidence.channels import doubts_after
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.own_sway import own_sway
+from exoid.diagnosis.evidence.soft_drive import soft_drive
+from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
+from exoid.diagnosis.question import Question
+from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
+from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.doubt import DELAY
+from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
+from exoid.diagnosis.search.state import Extension, State
+from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
+from exoid.diagnosis.splits import from_scratch
+from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
+from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
+from exoid.ground.progress import Progress, silent
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.model import Model
+
+
+def discover(
+    model: Model | Fit | Given | None = None,
+    recordings: Given | None = None,
+    verify: Given = (),
+    settings: DiscoverySettings | None = None,
+    *,
+    progress: Progress | None = None,
+    **changes: Unpack[DiscoveryOptions],
+) -> Diagnosis:
+    """Find which effects `model` (or the model of a Fit) is missing and add them.
+
+    `verify` are recordings that are never fitted and must improve. The user's own effects that the model declares
+    (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Recordings are what
+    `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many; alone they are of the standard
+    leg. Refuses those that are too short,
+    too slow or do not determine the model.
+    """
+    asked, recordings, verify = question_of(model, recordings, verify)
+    machine = pushed_model(asked.model if isinstance(asked, Fit) else asked, (*recordings, *verify))
+    question = Question(machine, DiscoverySettings.chosen(settings, changes))
+    return answer_of(question, recordings, verify, progress or silent)
+
+
+def answer_of(
+    question: Question,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    tick: Progress = silent,
+    prepared: Prepared | None = None,
+    found: Callable[[Sequence[Step]], None] | None = None,
+) -> Diagnosis:
+    """Return what `discover` finds; `prepared` are the recordings where they are prepared already, `found` is called
+    with the steps so far whenever the search has another one.
+
+    Recordings that are not of what the others are of are left out, and the others are answered.
+    """
+    began = time.perf_counter()
+    base = question.fitted(recordings, verify, tick, prepared)
+    odd = apart(base, question.rules) if len(base.prepared.all) > OTHERS else ()
+    fitted = [one for k, one in enumerate(recordings) if k not in odd]
+    held = [one for k, one in enumerate(verify, len(recordings)) if k not in odd]
+    if not odd or not fitted or (verify and not held):
+        return _answer(question, base, recordings, verify, tick, found, began)
+    half = _part(tick, 0.0, 0.5)
+    of_others = _answer(question, question.fitted(fitted, held, half), fitted, held, half, found, began)
+    odd = still_apart(base, of_others.fit, odd, question.rules)
+    if odd and of_others.accepted:
+        return _without(of_others, base, odd, question.rules)
+    whole = _answer(question, base, recordings, verify, _part(tick, 0.5, 1.0), found, began)
+    if not odd or whole.accepted or of_others.verdict != "adequate":
+        return whole
+    # An effect that these alone show is one of the machine, unless numbers of their own explain far more.
+    nearest = max((one.explained_share for one in whole.possible), default=0.0)
+    if nearest > question.rules.worth_telling and nearest >= question.rules.half * explained_alone(
+        base, of_others.fit, odd
+    ):
+        return whole
+    return _without(of_others, base, odd, question.rules)
+
+
+def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int], rules: Rules) -> Diagnosis:
+    """Return the answer of the other recordings, and what is to be said of those that are `odd`."""
+    left_out = why_apart(base, answer.fit, odd, rules)
+    sentence = " ".join([answer.sentence, *(f"{one.sentence}." for one in left_out)])
+    return replace(answer, sentence=sentence, left_out=left_out)
+
+
+def _answer(
+    question: Question,
+    base: FittedModel,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    tick: Progress,
+    found: Callable[[Sequence[Step]], None] | None,
+    began: float,
+) -> Diagnosis:
+    """Return the answer of all these recordings together, to which `base` is fitted."""
+    rules, splits = question.rules, question.asked.splits
+    whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
+    done = question.search(base, whole, found)
+    prepared, state = done.prepared, done.found.state
+
+    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:
+        return write_up(done, (Extension(done.base),), (), None, possible, answer, began)
+
+    if done.answer is not None:
+        return as_given(done.answer)
+    extensions = state.extensions
+    if wrong := next(filter(is_reading, state.names), None):
+        return as_given(doubted(reading_doubt(extensions[-1].fitted.fit, wrong)))
+    on_all = done.context.prepared is prepared
+    found_last = extensions[-1].fitted if on_all else fitted_model(extensions[-1].fitted.fit, prepared)
+    judged = found_last.judged_anew() if len(extensions) > 1 else prepared
+    if not (on_all and judged is prepared):
+        whole(0.95, "fitting what was found to the whole of the recordings")
+        extensions = _on_all_of(judged, extensions)
+        done = replace(done, prepared=judged, base=extensions[0].fitted)
+    last = extensions[-1].fitted
+    doubt = doubts_after(done.base, last, rules)
+    if doubt is not None:
+        return as_given(doubted(doubt))
+    several = len(recordings) + len(verify) > 1
+    agreements = agreements_of(done.context, state) if several else {}
+    possible = possible_of(done.context, state, several)
+    if splits == ALL and several:
+        agreements, possible = from_scratch(question, recordings, verify, state.names, _part(tick, 0.5, 0.96))
+    tick(0.97, "writing it down")
+    # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
+    left = None if len(extensions) > rules.most_terms else state.left
+    accepted = _agreed(accepted_of(extensions, rules), agreements, done.context.prepared)
+    if prepared.angles_were_filtered:
+        accepted = tuple(replace(one, doubted=True) for one in accepted)
+    soft = done.soft or soft_drive(
+        state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules
+    )
+    if soft is not None:
+        return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
+    accepted = tuple(map(in_words, accepted))
+    behind_filter = _filtered(done.context, state, rules)
+    if behind_filter is not None and behind_filter.doubt is not None:
+        return as_given(doubted(behind_filter.doubt))
+    if behind_filter is not None:
+        also = (behind_filter.name,)
+        accepted = tuple(
+            replace(a, look_alikes=(*a.look_alikes, *also), outside=(*a.outside, *also)) if a.effect == DELAY else a
+            for a in accepted
+        )
+    sway = own_sway(state.last.fitted, done.context.noise(state.last), rules)
+    if sway is not None:
+        possible = possible_with(sway, possible, rules)
+    first = () if accepted else done.found.first
+    leading = leading_of(done.context, state, first, done.base.evaluation_rms)
+    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
+    if sway is not None and not accepted:
+        answer = swayed(sway, answer, last.model.joints)
+    return write_up(done, extensions, accepted, left, possible, answer, began, leading)
+
+
+def _agreed(
+    accepted: Sequence[Accepted], agreements: Mapping[str, Agreement], searched: Prepared
+) -> tuple[Accepted, ...]:
+    """Return what was accepted, with what splits of the recordings say of it."""
+    names = [one.name for one in searched.all]
+    pairs = [(one, agreements.get(one.name, Agreement())) for one in accepted]
+    return tuple(replace(one, agreement=own, against=tuple(names[k] for k in own.against)) for one, own in pairs)
+
+
+def in_words(one: Accepted) -> Accepted:
+    """Return what was accepted with readings among its look-alikes named in words: no catalogue has them."""
+    also = {name: reading_said(name) for name in one.look_alikes if is_reading(name)}
+    if not also:
+        return one
+    alike, never = (tuple(also.get(n, n) for n in names) for names in (one.look_alikes, one.never_separable))
+    return replace(one, look_alikes=alike, never_separable=never, outside=tuple(also.values()))
+
+
+def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTorque | None:
+    """Return the filter on the torque that may be what the accepted delays stand for; None where none may."""
+    last = state.last.fitted
+    shapes = [entry.term for entry in last.model.shapes]
+    delays = [score for score in state.accepted if score.candidate.term.effect.id == DELAY]
+    values = [last.fit.shapes[:, shapes.index(score.name)] for score in delays]
+    late = [score for score, own in zip(delays, values, strict=True) if np.ptp(own) < np.median(own)]
+    if not late:  # a torque that is early, or late by something else in every recording, is behind no filter
+        return None
+    joints = sorted({joint for score in late for joint in score.candidate.joints})
+    return filtered(context.without(state.last, late).fitted, joints, rules)
+
+
+def diagnose(
+    model: Model | Fit | Given | None = None,
+    recordings: Given | None = None,
+    verify: Given = (),
+    settings: DiagnosisSettings | None = None,
+    *,
+    progress: Progress | None = None,
+    **changes: Unpack[DiagnosisOptions],
+) -> Diagnosis:
+    """Find the effect that `model` misses most: `discover` that stops after one step."""
+    asked = vars(DiagnosisSettings.chosen(settings, changes))
+    return discover(model, recordings, verify, DiscoverySettings(**asked | {"most": 1}), progress=progress)
+
+
+def _part(tick: Progress, low: float, high: float) -> Progress:
+    """Return a progress that moves `tick` from `low` to `high`."""
+    return lambda fraction, text: tick(low + fraction * (high - low), text)
+
+
+def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Extension, ...]:
+    """Return the models refitted to recordings of which the search had seen only stretches, or other spikes."""
+    out = []
+    for extension in extensions:
+        model = extension.fitted.model
+        start = np.median(extension.fitted.fit.shapes, axis=0) if model.shapes else None
+        fit = identify(model, prepared.train, optimisers=(), start=start)
+        out.append(replace(extension, fitted=fitted_model(fit, prepared)))
+    return tuple(out)

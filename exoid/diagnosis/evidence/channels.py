@@ -1,0 +1,379 @@
+"""Can the channels be what they say? If not, nothing is accepted: an effect named on top of them is nonsense.
+
+Asked before the search: whether the encoders' noise leaves accelerations worth the name, whether a measured force is
+turned round or was not tared, whether friction would have to drive a joint, whether the torque would fit far better if
+it were read earlier, or as what a slow filter made of it, and whether anything but the angles made it. Asked of the
+best model that the search finds: whether it leaves more of the torque than a third, and whether the held-out recordings
+are of the same machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exoid.diagnosis.evidence.apart import moved_numbers
+from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
+from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.evidence.pushes import turned_force
+from exoid.diagnosis.evidence.timing import late_torque
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.errors import NotEnoughDataError
+from exoid.measurement.finding import Finding
+from exoid.measurement.stance import UPWARDS
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.clocks import CLOCKS
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.optimisation.preparation.smoothed import FILTERED
+from exoid.symbolic.joints import machine_word
+from exoid.symbolic.motion import Float
+
+TARED = "tared"
+"""The check of recordings that says which force is not zero while nothing pushes."""
+OUTSIDE = "outside"
+"""What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""
+NOTHING_EXPLAINED = 0.9
+"""Share of a torque's variance left from which its joint may have no drive; it only adds to what is advised."""
+
+
+def doubts_before(
+    base: FittedModel, rules: Rules = RULES, explained: Callable[[], float] = lambda: 0.0
+) -> Doubt | None:
+    """Return what makes a search pointless, judged with the model that is there; None where nothing does.
+
+    `explained` returns what share of the squared error the best entry of the catalogue explains: one that leaves less
+    than another timing of the torque is the nearer answer, as dry friction that builds up slowly.
+    """
+    return (
+        _noisy_angles(base, rules)
+        or turned_force(base, rules)
+        or _untared(base)
+        or _driven_by_friction(base)
+        or _late(base, rules, explained)
+        or _follows_the_angles(base, rules)
+    )
+
+
+def _untared(base: FittedModel) -> Doubt | None:
+    """Return which recordings have a measured force that is not zero while the foot is in the air: its load of every
+    joint, which is not there, resembles a spring.
+    """
+    found = [one for one in base.prepared.findings if one.check == TARED]
+    if not found or UPWARDS not in base.model.channels:
+        return None
+    where = "; ".join(f"{one.where}: {one.what}" for one in found)
+    remedies = "; ".join(dict.fromkeys(one.remedy for one in found))
+    return Doubt(f"{UPWARDS} is not zero while the foot is in the air", f"A force was not tared: {where}.", remedies)
+
+
+def doubts_of_recordings(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
+    """Return what is wrong with the recordings whatever the machine is: asked before anything outside is looked for."""
+    return _two_clocks(base) or _filtered_angles(base, rules)
+
+
+def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether angles were filtered, the torques not, and the model leaves what that may have taken away."""
+    prepared = base.prepared
+    if not prepared.angles_were_filtered or np.all(base.evaluation_rms <= rules.near_noise * prepared.noise_floor):
+        return None
+    (one,) = [finding for finding in prepared.findings if finding.check == FILTERED]
+    return Doubt(
+        "the angles hold less noise than any sensor has, the torques do not, and the model leaves more than noise",
+        f"{one.what[0].upper()}{one.what[1:]}. The torques were not: what a filter took out of the angles is missing "
+        "in the model's torque, and looks like a delay, a soft drive or friction.",
+        one.remedy,
+    )
+
+
+def _two_clocks(base: FittedModel) -> Doubt | None:
+    """Return whether the torques' clock runs at another rate than the angles'."""
+    found = [one for one in base.prepared.findings if one.check == CLOCKS]
+    if not found:
+        return None
+    where = "; ".join(f"{one.where}: {one.what}" for one in found)
+    remedies = "; ".join(dict.fromkeys(one.remedy for one in found))
+    rule = "what the rigid machine leaves of the torques is their own derivative, more and more so"
+    return Doubt(rule, f"Two clocks: {where}.", remedies)
+
+
+def _late(base: FittedModel, rules: Rules, explained: Callable[[], float]) -> Doubt | None:
+    late = late_torque(base, rules)
+    return None if late is not None and 1.0 - explained() < late.share else late
+
+
+def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
+    """Return what makes the best model that was found (`last`) no answer; `base` is the model the search began with."""
+    return (
+        _unexplained_torque(base, last, rules)
+        or _impossible_base(base, last, rules)
+        or _without_mass(last, rules)
+        or _another_machine(base if last.model.shapes else last, rules)
+    )
+
+
+def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
+    """Return as a warning what makes a model that was only fitted, not searched, no answer; () where nothing does."""
+    if fitted.prepared.misread:
+        return ()
+    wrong = doubts_of_recordings(fitted, rules)
+    outside = None if wrong is not None else intermittent(fitted, rules)
+    if outside is not None:
+        return (
+            Finding(
+                OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), "all recordings", remedy=ADVICE
+            ),
+        )
+    doubt = wrong or doubts_before(fitted, rules) or _another_machine(fitted, rules)
+    share = left_share(fitted)
+    if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
+        parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, fitted.model.joint_names))
+        text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"
+        doubt = Doubt("unexplained", text, f"{_COLUMNS}; `exoid discover` finds which of the two it is")
+    if doubt is None:
+        return ()
+    return (Finding("channels", "warning", doubt.sentence.rstrip("."), "all recordings", remedy=doubt.remedy),)
+
+
+def _noisy_angles(base: FittedModel, rules: Rules) -> Doubt | None:
+    share = base.prepared.acceleration_noise
+    if not share > rules.angle_noise:
+        return None
+    density = np.max([one.angle_noise * 0.5 * one.full_rate for one in base.prepared.train], axis=0)
+    size = " and ".join(f"{x:.2g}" for x in np.sqrt(density)) + f" rad at {' and '.join(base.model.joint_names)}"
+    return Doubt(
+        f"noise of the angles makes {100 * share:.0f} % of the accelerations, at {base.prepared.choice.cutoff:g} Hz",
+        f"The angles are too noisy for their accelerations ({size}): at the slowest useful cut-off "
+        f"noise makes {100 * share:.0f} % of them, so every inertia comes out too small by about that part, and "
+        "whatever smooths the model looks like an effect.",
+        "check the encoders and the columns of the angles; record faster motion, or repeat one periodic motion many "
+        "times and use --derivative fourier",
+    )
+
+
+def _driven_by_friction(base: FittedModel) -> Doubt | None:
+    """Return which joints' friction, dry and viscous alike, drives them: their torque or angle has the wrong sign."""
+    rigid, found = len(base.model.base().inertial), []
+    for k, joint in enumerate(base.model.joints):
+        dry, viscous = base.fit.estimates[rigid + 2 * k : rigid + 2 * k + 2]
+        if dry.high < 0.0 and viscous.value < 0.0 and any(one.driven[k] for one in base.prepared.train):
+            found.append((k, joint))
+    if not found:
+        return None
+    names = " and ".join(joint.name for _, joint in found)
+    units = {"N·m": "Nm"}
+    options = ",".join(f"tau{k + 1}=-{units.get(joint.unit('tau'), joint.unit('tau'))}" for k, joint in found)
+    angles = ",".join(f"q{k + 1}=-{joint.unit('q')}" for k, joint in found)
+    return Doubt(
+        f"dry and viscous friction of the {names} are negative, and the interval of the dry one excludes 0",
+        f"Friction would have to drive the {names}, where friction can only brake: torque and angle are not counted in "
+        "the same direction.",
+        f"find out which has the other sign: --units {options} if the torque has, --units {angles} if the angle has",
+    )
+
+
+def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether every torque is a function of the angles alone, and inertia and friction explain less than half of
+    what these leave: a machine that is moved by hand while its drives carry its weight.
+    """
+    train = base.prepared.train
+    still = [_at_rest(base, one) for one in train]
+    left = []
+    for joint in range(len(base.model.joints)):
+        seen = [one.used[joint] & one.driven[joint] for one in train]
+        columns, tau, residual = (
+            np.concatenate([part[use] for part, use in zip(parts, seen, strict=True)])
+            for parts in (
+                [columns[joint] for columns in still],
+                [one.torque[joint] for one in train],
+                [each[joint] for each in base.residuals[: len(train)]],
+            )
+        )
+        if tau.size and tau.var() > 0.0:
+            rest = np.var(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
+            if rest > rules.negligible * tau.var() or np.mean(residual**2) < rules.half * rest:
+                return None
+            left.append(rest / tau.var())
+    if not left:
+        return None
+    return Doubt(
+        f"the angles alone explain all but {100 * max(left):.2g} % of the torques' variance, and inertia and friction "
+        "less than half of that",
+        "The torque follows from the angles alone, whichever way and however fast the joints move: neither inertia nor "
+        "friction is in it. So it is when a machine is moved by hand while its drives carry its weight, or when the "
+        "column is a command computed from the angles. What is left of it is no effect of the machine.",
+        "record motion that the drives make, and log the torque that they produce",
+    )
+
+
+def _at_rest(base: FittedModel, one: PreparedRecording) -> Float:
+    """Return what a recording's postures alone make: columns (J, K, P) without velocity and acceleration, and a one."""
+    zero = np.zeros(one.motion.q.shape)
+    held = replace(one.motion, dq=zero, ddq=zero, sign=zero)
+    columns = base.model.base().columns(held)
+    return one.smooth_columns(np.concatenate([columns, np.ones((*columns.shape[:2], 1))], axis=2))
+
+
+def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
+    share = left_share(last)
+    if not np.nanmax(share, initial=0.0) > rules.unexplained_share:
+        return None
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, last.model.joint_names))
+    machine = machine_word(last.model.joints)
+    odd = _odd_recordings(base, rules)
+    files = " and ".join(odd)
+    which = f" Fitted alone, {files} cannot be explained either, and the other recordings can." if odd else ""
+    return Doubt(
+        f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
+        f"The torque is not that of this {machine} in this motion: the best model that was found leaves {parts} of "
+        f"its variance unexplained.{which} Nothing is named on top of that.",
+        (f"begin with {files}: {_COLUMNS}" if odd else _COLUMNS) + _undriven(share, last.model.joint_names),
+    )
+
+
+def _undriven(share: Float, joints: Sequence[str]) -> str:
+    """Return what to say if the joints of which next to nothing is explained, unlike others, have no drive."""
+    idle = [joint for joint, x in _finite(share, joints) if x > NOTHING_EXPLAINED]
+    if not idle or len(idle) == len(joints):
+        return ""
+    options = " ".join(f"--passive {joint}" for joint in idle)
+    return f"; if the {' and the '.join(idle)} had no drive in these recordings, say so: {options}"
+
+
+def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:
+    """Return the names of recordings of which the model leaves much of the torque even if it is fitted to one alone,
+    where it explains the others so; [] where they are alike, or most of them odd.
+    """
+    odd, known = [], 0
+    for one in base.prepared.all:
+        try:
+            alone = identify(base.model, (one,), optimisers=())
+        except NotEnoughDataError:
+            continue
+        known += 1
+        share = left_share(fitted_model(alone, replace(base.prepared, train=(one,), verify=())))
+        if np.nanmax(share, initial=0.0) > rules.unexplained_share:
+            odd.append(one.name)
+    return odd if 2 * len(odd) < known else []
+
+
+_COLUMNS = (
+    "check the columns and their order (--map), units (--units), the signs and zeros of angles and torques, and "
+    "whether torque and motion are of the same run; draw them over time, or start with a slow motion of one joint"
+)
+
+
+def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether an effect had to rescue a rigid machine that explains little and could not exist.
+
+    One that leaves next to the noise, with numbers that are possible, has not: a strong spring is no wrong channel.
+    """
+    share, wrong = left_share(base), _impossible(base)
+    if not np.nanmax(share, initial=0.0) > rules.half or not wrong:
+        return None
+    if not _impossible(last) and np.all(last.evaluation_rms <= rules.near_noise * last.prepared.noise_floor):
+        return None
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, base.model.joint_names))
+    machine = machine_word(base.model.joints)
+    return Doubt(
+        f"the rigid {machine} leaves {parts} of the torque's variance, and its numbers are impossible "
+        f"({wrong[0].what})",
+        f"The channels do not fit a {machine}: weight, inertia and friction together leave {parts} of the torque's "
+        f"variance unexplained, with numbers that no {machine} has. What then explains the rest only makes up for a "
+        "wrong sign, zero or column.",
+        _COLUMNS,
+    )
+
+
+def _impossible(fitted: FittedModel) -> list[Finding]:
+    """Return what says that the numbers are those of no machine."""
+    return [
+        f for f in fitted.fit.plausibility if f.severity == "warning" and f.check in ("bounds", "inertia", "realisable")
+    ]
+
+
+def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether a model near the noise explains every torque as well without weight and inertia, at every joint
+    that moves: no machine is without mass, so the torque is another one, or these recordings do not carry an answer.
+    """
+    if np.any(times_noise(last) > rules.near_noise):
+        return None
+    model, train = last.model, last.prepared.train
+    rigid = len(model.inertial)
+    columns = [
+        one.smooth_columns(model.columns(one.motion, at, last.linear if model.needs_reference else None))
+        for one, at in zip(train, last.shapes, strict=False)
+    ]
+    told = []
+    for j, joint in enumerate(model.joints):
+        seen = [one.used[j] & (one.driven[j] and not one.standing[j]) for one in train]
+        rest, tau, left = (
+            np.concatenate([part[j][use] for part, use in zip(parts, seen, strict=True)])
+            for parts in (
+                [each[:, :, rigid:] for each in columns], [one.torque for one in train], last.residuals[: len(train)]
+            )
+        )  # fmt: skip
+        if not tau.size or not np.any(tau):
+            continue
+        size = np.linalg.norm(rest, axis=0)
+        rest = rest[:, size > 0.0] / size[size > 0.0]
+        without = tau - rest @ np.linalg.lstsq(rest, tau, rcond=None)[0]
+        share = 1.0 - float(np.sum(left**2) / max(float(np.sum(without**2)), 1e-300))
+        if share >= rules.worth_telling:
+            return None
+        told.append(f"{joint.name} {100 * max(share, 0.0):.1g} %")
+    if not told:
+        return None
+    machine = machine_word(model.joints)
+    return Doubt(
+        f"weight and inertia explain less than {100 * rules.worth_telling:g} % of what friction leaves of every torque",
+        f"No weight and no inertia show in the torques ({', '.join(told)} of what friction and the like leave), and no "
+        f"{machine} is without: either these are not the torques of this {machine} (a column computed from the "
+        "velocity looks so), or these recordings do not carry an answer: its mass asks for less than the noise.",
+        "check what the torque columns hold; if they are right, record faster motion, or motion against gravity",
+    )
+
+
+def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether held-out recordings are well explained by numbers of their own, and badly by those fitted.
+
+    At least one number must differ by more than both intervals allow.
+    """
+    unseen = last.verify_rms
+    if unseen is None:
+        return None
+    used = [any(p.used[j].any() for p in last.prepared.verify) for j in range(len(unseen))]
+    known = (last.train_rms > 0.0) & np.array(used)
+    if not known.any():
+        return None
+    worse = unseen[known] / last.train_rms[known]
+    if worse.max() < rules.near_noise or worse.min() < rules.artefact:
+        return None
+    swapped: Prepared = replace(last.prepared, train=last.prepared.verify, verify=())
+    alone = fitted_model(identify(last.model, swapped.train, optimisers=()), swapped)
+    if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.little:
+        return None
+    moved = moved_numbers(last.fit, alone.fit)
+    if not moved:  # a few seconds that both fit well, and neither knows the numbers: nothing says they differ
+        return None
+    errors = ", ".join(
+        f"{joint.name} {a:.3g} {joint.unit('tau')} on fitted and {b:.3g} {joint.unit('tau')} on held-out motion"
+        for joint, a, b, k in zip(last.model.joints, last.train_rms, unseen, known, strict=True)
+        if k
+    )
+    return Doubt(
+        f"the held-out error is {worse.max():.0f} times the fitted one, and a fit of the held-out recordings alone "
+        "leaves little of it",
+        f"The held-out recordings are not of the machine that was fitted: the model leaves {errors}, yet fitted alone "
+        f"they are explained. Fitted and held out want: {'; '.join(moved[:4])}.",
+        f"verify with recordings of the same {machine_word(last.model.joints)}, with the same load (--payload) and the "
+        "same zeros",
+    )
+
+
+def _finite(share: Float, joints: Sequence[str]) -> Iterator[tuple[str, float]]:
+    return ((joint, float(x)) for joint, x in zip(joints, share, strict=True) if np.isfinite(x))

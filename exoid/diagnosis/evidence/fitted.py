@@ -1,0 +1,241 @@
+"""The model at its numbers: its torque, columns and sensitivities on every recording, and what it leaves.
+
+The columns include the derivative by every shape parameter, so that a candidate is never credited with what a small
+change of a shape already explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.local_shape import own_of_halves, own_shapes, shapes_for
+from exoid.optimisation.fitting.shapes import slope_by_shape
+from exoid.optimisation.linear.loss import huber, huber_terms
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared, judged_anew
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+SLOPE_STEP = 1e-3
+"""Step of the derivative by a shape parameter, as a share of its range."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedModel:
+    """A model at the numbers of `fit`, on all prepared recordings (training first), with its residuals (J, K) N·m.
+
+    `shapes` (R, S) are the shape values in every recording, `slack` (S,) how far the data leave each of them open (a
+    standard deviation).
+    """
+
+    fit: Fit
+    shapes: Float
+    residuals: tuple[Float, ...]
+    prepared: Prepared
+    slack: Float
+
+    @property
+    def model(self) -> Model:
+        """The model that was fitted."""
+        return self.fit.model
+
+    @property
+    def linear(self) -> Float:
+        """Linear parameters (P,)."""
+        return self.fit.linear
+
+    @property
+    def shape(self) -> Float:
+        """Shape values (S,), the middle of those of the training recordings."""
+        return self.fit.shape
+
+    def torque(self, index: int) -> Float:
+        """Return the torque (J, K) of recording `index` after the common filter, N·m."""
+        return _filtered_torque(self.model, self.prepared.all[index], self.linear, self.shapes[index])
+
+    @property
+    def verified(self) -> bool:
+        """Whether there are verification recordings."""
+        return bool(self.prepared.verify)
+
+    @property
+    def evaluation_rms(self) -> Float:
+        """RMS residual (J,) in N·m that a reader is shown: of verification recordings, of fitted ones without any."""
+        return self.train_rms if self.verify_rms is None else self.verify_rms
+
+    @property
+    def train_rms(self) -> Float:
+        """RMS residual (J,) over the training recordings, N·m."""
+        return pooled_rms(self.residuals[: len(self.prepared.train)], self.prepared.train)
+
+    @property
+    def verify_rms(self) -> Float | None:
+        """RMS residual (J,) over the verification recordings, N·m; None without any."""
+        if not self.prepared.verify:
+            return None
+        return pooled_rms(self.residuals[len(self.prepared.train) :], self.prepared.verify)
+
+    def _unseen(self) -> list[tuple[Float, np.ndarray]]:
+        """Return residual (J, K) and use (J, K) of every verification recording, of the training ones without any."""
+        count = len(self.prepared.train) if self.prepared.verify else 0
+        return [(r, p.used) for r, p in zip(self.residuals[count:], self.prepared.all[count:], strict=True)]
+
+    @property
+    def unseen_scale(self) -> Float:
+        """Robust standard deviation (J,) of the unseen residual, N·m."""
+        return pooled_scale(self._unseen())
+
+    def unseen_loss(self, scale: Float, rules: Rules = RULES) -> float:
+        """Return the Huber loss of the unseen residual in units of `scale` (J,), both joints together."""
+        limit = np.full(len(scale), rules.robust)
+        return float(sum(huber(np.where(use, r, 0.0) / scale[:, None], limit) for r, use in self._unseen()))
+
+    @property
+    def scale(self) -> Float:
+        """Robust standard deviation (J,) of the residual of all recordings, N·m."""
+        return pooled_scale([(r, p.used) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
+
+    def block_losses(self, scale: Float, rules: Rules = RULES) -> Float:
+        """Return the Huber loss in strides, or blocks of time, recording after recording, in units of `scale` (J,)."""
+        return np.asarray(self.joint_losses(scale, rules).sum(axis=0))
+
+    def joint_losses(self, scale: Float, rules: Rules = RULES) -> Float:
+        """Return that loss joint by joint (J, blocks)."""
+        out = []
+        for residual, one in zip(self.residuals, self.prepared.all, strict=True):
+            loss = huber_terms(np.where(one.used, np.abs(residual), 0.0) / scale[:, None], rules.robust)
+            out.append(np.add.reduceat(loss, one.starts(rules.block_seconds), axis=1))
+        return np.concatenate(out, axis=1)
+
+    @property
+    def per_recording(self) -> list[tuple[str, Float]]:
+        """Name and RMS residual (J,) of every recording."""
+        return [(p.name, pooled_rms([r], [p])) for p, r in zip(self.prepared.all, self.residuals, strict=True)]
+
+    def evidence(
+        self, *, seed: int, draws: int | None = None, sigma: Float | None = None, rules: Rules = RULES
+    ) -> Evidence:
+        """Return the evidence that weighs missing effects, in units of `sigma` (J,) N·m, by default its own scale."""
+        count = len(self.prepared.train)
+        moving = np.sum([one.used.any(axis=1) for one in self.prepared.train], axis=0)
+        # Without the only recording in which a joint moves nothing would be known of it: then parts are left out.
+        parts = [rules.blocks if np.any(moving == 1) else 1] * count + [1] * len(self.prepared.verify)
+        blocks = [
+            _block(self.model, one, self.linear, shape, residual, part)
+            for one, shape, residual, part in zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True)
+        ]
+        # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
+        free = np.zeros(len(self.model.parameters))
+        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0])
+        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior, rules=rules)
+
+    def block_of(self, one: PreparedRecording) -> RecordingEvidence:
+        """Return any prepared recording as the evidence sees it, at the numbers of this model."""
+        residual = one.torque - _filtered_torque(self.model, one, self.linear, self.shape)
+        return _block(self.model, one, self.linear, self.shape, residual, 1)
+
+    def judged_anew(self) -> Prepared:
+        """Return the recordings with spikes of the torques judged anew beside this model."""
+        pairs = zip(self.prepared.all, self.shapes, strict=True)
+        return judged_anew(self.prepared, [self.model.torque(one.motion, self.linear, at) for one, at in pairs])
+
+    def judged_by_halves(self) -> FittedModel:
+        """Return the model with what it leaves of each half of a recording where the values that belong to the
+        recording are fitted to the other half.
+        """
+        if not own_shapes(self.model):
+            return self
+        return replace(self, residuals=tuple(_by_halves(self.fit, one) for one in self.prepared.all))
+
+    def on(self, prepared: Prepared) -> FittedModel:
+        """Return the same model with the same numbers on other versions of the recordings."""
+        residuals = _residuals(self.model, self.linear, self.shapes, prepared)
+        return replace(self, residuals=residuals, prepared=prepared)
+
+
+def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
+    """Return the fitted model on training and verification recordings.
+
+    Shape values that belong to a recording are fitted to each recording; of what is left of an unseen one each half is
+    judged by those of the other. Everything else is as fitted on the training recordings.
+    """
+    model = fit.model
+    shapes = shapes_for(fit, prepared)
+    residuals = _residuals(model, fit.linear, shapes, prepared)
+    if own_shapes(model):
+        seen = residuals[: len(prepared.train)]
+        residuals = (*seen, *(_by_halves(fit, one) for one in prepared.verify))
+    return FittedModel(fit, shapes, residuals, prepared, _slack(fit, model))
+
+
+def lag(loss: Float, least: Float) -> float:
+    """Return by how many standard errors a model's loss in blocks of time is above the least one's; 0 for itself."""
+    difference = loss - least
+    spread = float(np.sqrt(np.sum((difference - difference.mean()) ** 2)))
+    return float(difference.sum()) / spread if spread > 1e-9 * float(least.sum()) else 0.0
+
+
+def places_pay(once: FittedModel, each: FittedModel, rules: Rules = RULES) -> bool:
+    """Whether places that recordings have to themselves (`each`) are better than the same place in all (`once`): with
+    places found in the other half of a recording, the torque is predicted clearly better.
+    """
+    fixed, moving = (one.judged_by_halves().block_losses(once.scale, rules) for one in (once, each))
+    return lag(fixed, moving) >= rules.clear
+
+
+def _by_halves(fit: Fit, one: PreparedRecording) -> Float:
+    """Return what is left (J, K) of a recording, each half with its own values as the other half has them."""
+    first, second = (one.torque - _filtered_torque(fit.model, one, fit.linear, at) for at in own_of_halves(fit, one))
+    middle = first.shape[1] // 2
+    return np.concatenate([first[:, :middle], second[:, middle:]], axis=1)
+
+
+def _slack(fit: Fit, model: Model) -> Float:
+    """Return the standard deviation (S,) of each shape value, a part of its range at least and at most."""
+    known = {e.name: (e.high - e.low) / (2.0 * 1.96) for e in fit.estimates}
+    spread = np.array([known.get(s.name, np.nan) for s in model.shapes], dtype=float)
+    ranges = np.array([s.shape.max - s.shape.min for s in model.shapes], dtype=float)
+    return np.clip(np.where(np.isfinite(spread), spread, np.inf), 1e-4 * ranges, 0.02 * ranges)
+
+
+def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:
+    return tuple(
+        one.torque - _filtered_torque(model, one, linear, shape)
+        for one, shape in zip(prepared.all, shapes, strict=True)
+    )
+
+
+def _filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:
+    """Return the model's torque (J, K) after the common filter, N·m."""
+    return one.smooth(model.torque(one.motion, linear, shape))
+
+
+def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
+    """Return the RMS (J,) of residuals (J, K) over the usable samples of several recordings."""
+    square = sum(np.sum(np.where(p.used, r, 0.0) ** 2, axis=1) for r, p in zip(residuals, prepared, strict=True))
+    count = sum(p.used.sum(axis=1) for p in prepared)
+    return np.sqrt(square / np.maximum(count, 1))
+
+
+def _block(
+    model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, parts: int
+) -> RecordingEvidence:
+    raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
+    columns = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
+    smooth = one.smooth_columns(np.concatenate(columns, axis=2))
+    path = one.motion.q[one.kept]
+    return RecordingEvidence(smooth, residual, one.used, path, one.kept_rate, one.parts(parts), one.starts)
+
+
+def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:
+    """Return ∂τ/∂shape[index] (J, N) before filtering; zero for a choice."""
+    entry = model.shapes[index].shape
+    if entry.choices:
+        return np.zeros((len(model.joints), len(one.motion)))
+    return slope_by_shape(lambda at: model.torque(one.motion, linear, at), shape, index, entry, SLOPE_STEP).T

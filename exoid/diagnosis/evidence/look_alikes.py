@@ -1,0 +1,155 @@
+"""Who could have done it just as well: candidates that these data, or any data, cannot tell from the accepted one.
+
+Two candidates are compared on held-out samples, each refitted with everything else. The difference of their losses is
+summed over blocks of a few seconds, longer than the residual remembers; if its sum is within the scatter of the blocks,
+the data cannot distinguish them (in the manner of Vuong, Econometrica 57(2), 1989, with blocks for dependence).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
+from exoid.diagnosis.evidence.columns import Columns, stacked
+from exoid.diagnosis.evidence.fitted import FittedModel, lag
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Gram
+from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.rules import Rules
+from exoid.ground.ties import TIED, least_of
+from exoid.optimisation.fitting.shapes import from_unit, to_unit
+from exoid.symbolic.motion import Float
+
+
+def refine(evidence: Evidence, score: Score, fitted: FittedModel) -> tuple[Score, list[Columns]]:
+    """Return the score at shape values refined between the nodes, and the columns there (one node).
+
+    Another choice, where there is one, is refined from there as well: which of two is the better one at a node says
+    little about which is between the nodes.
+    """
+    own = score.shape  # (R, S)
+    shapes = [] if score.candidate.tangent else list(score.candidate.term.placed_shape.values())
+    chosen = [i for i, shape in enumerate(shapes) if shape.choices]
+    best = _refined(evidence, score, own, fitted)
+    for other in itertools.product(*(shapes[i].choices for i in chosen)):
+        if np.any(own[0, chosen] != other):
+            begin = own.copy()
+            begin[:, chosen] = other
+            found = _refined(evidence, score, begin, fitted)
+            best = least_of([best, found], lambda pair: -pair[0].share, 1.0)
+    return best
+
+
+def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedModel) -> tuple[Score, list[Columns]]:
+    """Return the score at the best shape values around `chosen` (R, S), choices as they are, and the columns there."""
+    candidate = score.candidate
+    entries = list(candidate.term.placed_shape.values())
+    columns = columns_at(candidate, chosen, fitted)
+    best = _one_node(evidence, candidate, chosen, columns, score)
+    # What all recordings share may lie between nodes, and places, which move in all of them together.
+    free = [i for i, s in enumerate(entries) if not s.choices and not (s.per_recording and s.spacing != "position")]
+    for index in [] if candidate.tangent else free:
+        entry = entries[index]
+        reach = 1.0 / max(1, entry.points - 1)
+        for _ in range(evidence.rules.refinements):
+            middle = chosen[:, index].copy()
+            for step in (-0.5 * reach, 0.5 * reach):
+                trial = chosen.copy()
+                trial[:, index] = [from_unit(entry, to_unit(entry, float(value)) + step) for value in middle]
+                trial_columns = columns_at(candidate, trial, fitted)
+                found = _one_node(evidence, candidate, trial, trial_columns, score)
+                if found.share > best.share + TIED:
+                    best, chosen, columns = found, trial, trial_columns
+            reach *= 0.5
+    return best, columns
+
+
+def placed(candidate: Candidate) -> bool:
+    """Whether a candidate sits at a place of its own, beside which its nodes may lie."""
+    return any(s.per_recording and s.spacing == "position" for s in candidate.term.placed_shape.values())
+
+
+def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:
+    """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
+    return [
+        candidate_columns(candidate, row[None], one, fitted)
+        for row, one in zip(chosen, fitted.prepared.all, strict=True)
+    ]
+
+
+def _one_node(
+    evidence: Evidence, candidate: Candidate, chosen: Float, columns: Sequence[Columns], before: Score
+) -> Score:
+    single = replace(candidate, nodes=chosen[:, None, :])
+    found = weigh(evidence, single, columns)
+    known = {name: getattr(before, name) for name in ("p_value", "significant", "caution", "agreement")}
+    return replace(found, **known)
+
+
+def look_alikes(
+    evidence: Evidence,
+    best: tuple[Score, list[Columns]],
+    rivals: Sequence[tuple[Score, list[Columns]]],
+) -> dict[str, float]:
+    """Return the rivals whose held-out loss is not clearly larger than that of the best, and their lag behind it.
+
+    The lag is in standard errors of the difference; 0 is a tie. A rival that still gains beside the best one is no
+    look-alike but another effect, and so is one that leaves the error of the best one's joints: `leaves_joints`.
+    """
+    by_joint = joint_losses(evidence, evidence.plain(best[1]), best[1])
+    reference = by_joint.sum(axis=0)
+    out: dict[str, float] = {}
+    for score, columns in rivals:
+        if gains_beside(evidence, best, score, columns):
+            continue
+        loss = joint_losses(evidence, evidence.plain(columns), columns)
+        difference = loss.sum(axis=0) - reference
+        spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
+        practically = score.share >= evidence.rules.practically * best[0].share
+        elsewhere = leaves_joints(loss, by_joint, best[0].candidate, evidence.rules)
+        if practically and score.candidate.numbers < best[0].candidate.numbers:
+            out[score.name] = 0.0
+        elif difference.sum() < evidence.rules.clear * spread and not elsewhere:
+            out[score.name] = float(difference.sum() / spread)
+    return out
+
+
+def gains_beside(
+    evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
+) -> bool:
+    """Whether `rival` keeps enough of its gain beside the best one to be another effect."""
+    together = stacked([best[1], columns], len(evidence.sigma))
+    share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
+    return share - best[0].share > evidence.rules.half * rival.share
+
+
+def leaves_joints(loss: Float, than: Float, best: Candidate, rules: Rules) -> bool:
+    """Whether a rival's loss (J, blocks) is clearly above that of the `best` candidate (`than`) at a joint where the
+    best one acts: what makes the error of another joint smaller is another effect, however much that may be.
+    """
+    return any(lag(loss[joint], than[joint]) >= rules.clear for joint in best.joints)
+
+
+def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+    """Return the held-out loss of a candidate in strides, or blocks of time, over all units of all splits."""
+    return np.asarray(joint_losses(evidence, grams, columns, ridge).sum(axis=0))
+
+
+def joint_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+    """Return that loss joint by joint (J, blocks)."""
+    out = []
+    for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
+        index, weight = evidence.unit(unit)
+        block = evidence.blocks[index]
+        residual = block.residual - block.columns @ step
+        for place, joint in enumerate(columns[index].joints):
+            residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
+        loss = weight * residual**2
+        live = np.flatnonzero(weight.sum(axis=0) > 0.0)
+        blocks = np.searchsorted(block.starts(evidence.rules.block_seconds), live, side="right")
+        out.append(np.add.reduceat(loss[:, live], np.flatnonzero(np.diff(blocks, prepend=-1)), axis=1))
+    return np.concatenate(out, axis=1)

@@ -1,0 +1,131 @@
+"""How much of an error is more than noise, whether it comes again when the motion does, and what to do about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid.diagnosis.evidence.enough_motion import little_motion
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.repeats import Repeats, repeats
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.plain import AsJson
+from exoid.ground.ties import index_of_greatest
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Float
+
+
+@dataclass(frozen=True)
+class ModelError(AsJson):
+    """An error beyond the noise: how many `times` the noise it is at `joint`, in words, and what to do about it."""
+
+    joint: str
+    times: float
+    sentence: str
+    advice: str
+    repeating: float | None = None
+    beside: str = ""
+    """How large it is beside the noise, in words."""
+
+    def _json(self) -> dict[str, Any]:
+        return {"joint": self.joint, "times_noise": self.times, "repeating": self.repeating, "sentence": self.sentence}
+
+
+def sensor_noise(prepared: Prepared) -> Float:
+    """Return the noise floor (J,), N·m; where no drive acts, of the other joints' sensors: zero torque has no noise."""
+    driven = np.any([one.driven for one in prepared.all], axis=0)
+    return np.asarray(np.where(driven, prepared.noise_floor, prepared.noise_floor.max()))
+
+
+def times_noise(last: FittedModel) -> Float:
+    """Return how many times the noise floor the error of a model is at each joint (J,); 0 where there is no noise."""
+    floor = sensor_noise(last.prepared)
+    return np.asarray(np.where(floor > 0.0, last.evaluation_rms / np.where(floor > 0.0, floor, 1.0), 0.0))
+
+
+def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
+    """Return the noise (J,), N·m: what the sensors say or what does `again` not repeat, whichever is more."""
+    sensors = sensor_noise(prepared)
+    return sensors if again is None else np.maximum(sensors, again.noise)
+
+
+def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
+    """Return what a model leaves beyond the noise, at the joint where it is largest; None where it is near the noise.
+
+    Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
+    """
+    again = repeats(last)
+    sensors, floor = sensor_noise(last.prepared), noise_with(again, last.prepared)
+    error = last.evaluation_rms
+    # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
+    times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
+    j = index_of_greatest(times)
+    beyond = np.where(error > 0.0, error / np.maximum(sensors, 1e-6), 0.0)
+    if times[j] <= rules.near_noise:
+        worst = index_of_greatest(beyond)
+        return (
+            None if again is None or beyond[worst] <= rules.near_noise else _random(last, again, worst, beyond[worst])
+        )
+    joint, kind = last.model.joint_names[j], "unseen" if last.verified else "fitted"
+    unit = last.model.joints[j].unit("tau")
+    text = (
+        f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion, "
+        f"{compared(last.prepared, times[j], f'noise of {floor[j]:.2g} {unit}')}. It is not noise, "
+        "and no function of angle, velocity, acceleration, load or time that was tried"
+    )
+    if again is None:
+        text += "; whether it repeats is not known, because no motion was recorded twice"
+        advice = (
+            "record one of these motions twice: what comes again is an error of the model, what does not is the "
+            "machine or its sensors; until then trust the parameters no further than this error"
+        )
+    elif again.share[j] > 0.5:
+        text += f"; {100 * again.share[j]:.0f} % of it comes again {again.what}, so it is an error of the model"
+        advice = (
+            "look at the figure over time for what the model lacks (a second contact, cables, a base that moves) and "
+            "write it as [[custom_effects]]; recording more of the same will not lower it"
+        )
+    else:
+        text += (
+            f"; only {100 * again.share[j]:.0f} % of it comes again {again.what}: what changes is the machine or its "
+            "sensors, not the motion"
+        )
+        advice = _CHANGES
+    little = little_motion(last.prepared, rules) if last.verified else ""
+    if little and np.all(last.train_rms <= rules.near_noise * floor):
+        text += f". On fitted motion it is near the noise, and {little}: so few leave the numbers open"
+        advice = "fit more motion and ask again: what is left may be no more than numbers that so little tells badly"
+    elif last.verified and error[j] > rules.near_noise * last.train_rms[j]:
+        text += f". On fitted motion it keeps {last.train_rms[j]:.3g} {unit}: what this is, no fitted recording shows"
+        advice = (
+            "fit a recording of the motion that is held out now and hold out another: an end stop or a load that no "
+            "fitted recording meets cannot be named"
+        )
+    beside = compared(last.prepared, times[j])
+    return ModelError(joint, float(times[j]), text, advice, None if again is None else float(again.share[j]), beside)
+
+
+def compared(prepared: Prepared, times: float, noise: str = "noise") -> str:
+    """Return how large an error is beside the `noise`; of torques that were filtered nobody knows it."""
+    return f"{times:.2g} times the {noise}" if prepared.noise_is_known else "with no sensor's noise to compare it with"
+
+
+def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelError:
+    """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
+    joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
+    beside = compared(last.prepared, times, "noise of the sensors")
+    text = (
+        f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}, {beside}, "
+        f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion. "
+        "Something acts that is not in the recordings: a person, the ground, or what changes from time to time"
+    )
+    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), compared(last.prepared, times))
+
+
+_CHANGES = (
+    "measure what touches the machine (cuffs with force sensors, columns f1, f2; a force plate, grf_x, grf_z), or look "
+    "for what changes between repetitions: temperature, strapping, a loose mount, the torque sensor; no model of the "
+    "motion can explain it"
+)

@@ -1,0 +1,117 @@
+"""All candidates against one model, best first: which of them counts.
+
+A candidate counts when its coefficients have a physical sign, it lowers the error on held-out recordings and on the
+verification recordings too, enough splits of the recordings agree, and hardly any placebo does as well. Over the
+catalogue the false-discovery rate is controlled (Benjamini, Hochberg 1995).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.library import Library
+from exoid.diagnosis.evidence.look_alikes import placed, refine
+from exoid.diagnosis.evidence.placebo import as_good, p_value, searches
+from exoid.diagnosis.evidence.score import Score, harmless, weigh
+from exoid.diagnosis.evidence.stability import Splits
+from exoid.ground.progress import Progress, silent
+from exoid.ground.ties import ascending
+
+
+def rank(
+    evidence: Evidence,
+    library: Library,
+    fitted: FittedModel,
+    tick: Progress = silent,
+) -> list[Score]:
+    """Return all candidates, best first: weighed, the promising ones with placebos and significance."""
+    present = {term.name for term in fitted.model.terms}
+    todo = [c for c in library.candidates if c.name not in present]
+    scores, columns = weigh_all(evidence, library, fitted, todo, lambda done, text: tick(0.6 * done, text))
+    scores = agreed(evidence, ascending(scores, lambda s: -s.share, 1.0), columns, fitted)
+    promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
+    tested = with_chance(evidence, promising, columns, lambda done, text: tick(0.6 + 0.4 * done, text))
+    known = {s.name: s for s in tested}
+    return mark_significant([known.get(s.name, s) for s in scores], evidence.rules.level)
+
+
+def weigh_all(
+    evidence: Evidence,
+    library: Library,
+    fitted: FittedModel,
+    todo: Sequence[Candidate],
+    tick: Progress = silent,
+) -> tuple[list[Score], dict[str, tuple[Columns, ...]]]:
+    """The candidates `todo` weighed, without placebos, and their columns."""
+    scores, columns = [], {}
+    for k, candidate in enumerate(todo, start=1):
+        columns[candidate.name] = library.columns(candidate, fitted)
+        scores.append(weigh(evidence, candidate, columns[candidate.name]))
+        tick(k / len(todo), candidate.name)
+    return scores, columns
+
+
+def with_chance(
+    evidence: Evidence,
+    scores: Sequence[Score],
+    columns: Mapping[str, Sequence[Columns]],
+    tick: Progress = silent,
+) -> list[Score]:
+    """`scores` with their p-values."""
+    out = []
+    for k, score in enumerate(scores, start=1):
+        found = [as_good(evidence, score, columns[score.name], part) for part in searches(evidence, score)]
+        out.append(replace(score, p_value=p_value(evidence, found)))
+        tick(k / len(scores), score.name)
+    return out
+
+
+def agreed(
+    evidence: Evidence,
+    scores: Sequence[Score],
+    columns: Mapping[str, Sequence[Columns]],
+    fitted: FittedModel | None = None,
+) -> list[Score]:
+    """Return `scores` with what splits of the recordings say about those that gain enough to matter.
+
+    What has a place is asked at its best one beside the model `fitted` where it hardly convinces at a node: a stop that
+    begins beside its node leaves most where one recording goes furthest into it.
+    """
+    splits, rules = Splits(evidence), evidence.rules
+    out = []
+    for score in scores:
+        if score.share >= rules.least_share:
+            best = [c.node(int(n)) for c, n in zip(columns[score.name], score.nodes, strict=True)]
+            agreement = splits.candidate(score, best)
+            if fitted is not None and placed(score.candidate) and not agreement.enough(rules):
+                agreement = splits.candidate(*refine(evidence, score, fitted))
+            steady = score.steady if agreement.share is None else agreement.enough(rules)
+            helps = score.helps or (agreement.repeats(rules) and _outvoted(evidence, score))
+            score = replace(score, agreement=agreement, steady=steady, helps=helps)
+        out.append(score)
+    return out
+
+
+def _outvoted(evidence: Evidence, score: Score) -> bool:
+    """Whether the recordings held out lose little beside what the fitted ones gain, in units of torque."""
+    gained = score.share * float(evidence.fold_losses.sum())
+    return harmless(evidence.rules, np.array([gained, (score.unseen or 0.0) * evidence.unseen_loss]))
+
+
+def mark_significant(scores: Sequence[Score], rate: float) -> list[Score]:
+    """Benjamini-Hochberg over the whole catalogue; candidates without a placebo run count with p = 1.
+
+    SciPy has it too, in a part whose import takes as long as the rest of the start.
+    """
+    total = len(scores)
+    values = sorted(s.p_value for s in scores if s.p_value is not None)
+    passed = [p for k, p in enumerate(values, start=1) if p <= rate * k / total]
+    limit = max(passed, default=0.0)
+    return [replace(s, significant=s.p_value is not None and s.p_value <= limit and s.eligible) for s in scores]

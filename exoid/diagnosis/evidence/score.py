@@ -1,0 +1,287 @@
+"""How much a candidate lowers the error of motion it was not fitted on, with coefficients that physics allows."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Gain, Gram
+from exoid.diagnosis.rules import Rules
+from exoid.ground.ties import TIED, index_of_greatest, tied
+from exoid.symbolic.effect import Coefficient, Shape
+from exoid.symbolic.motion import Float
+
+ABSORBED = 1e-6
+"""Share of a column that is new to the model, up to which the model's own parameters take it over."""
+ROUNDS = 4
+"""Times that recordings choose values of their own beside the numbers they share."""
+AT_ONCE = 100_000
+"""Values of columns that are looked at in one piece."""
+TOGETHER = 10_000
+"""Nodes times placebos that are fitted at once: more need memory, and wait for it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """What the evidence says about one candidate.
+
+    `nodes` (R,) index of the shape node in each recording; shares are falls of the weighted loss relative to the
+    present model: `share` on held-out training units, `joint_share` that of the joints it acts on alone, `folds` (F,)
+    on each, `unseen` on verification recordings (None without). `helps`: it lowers the error where it was not fitted.
+    `agreement` is what splits of the recordings say, None where they were not asked, `steady` whether enough of them
+    agree (where they cannot tell, whether the held-out recordings do).
+    `p_value` is None where no placebo was run. `caution` says in words what speaks against it.
+    """
+
+    candidate: Candidate
+    nodes: np.ndarray
+    share: float
+    folds: Float
+    unseen: float | None
+    coefficients: Float
+    novelty: float
+    helps: bool = False
+    agreement: Agreement | None = None
+    steady: bool = True
+    p_value: float | None = None
+    significant: bool = False
+    caution: str = ""
+    joint_share: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Full name of the candidate."""
+        return self.candidate.name
+
+    @property
+    def eligible(self) -> bool:
+        """Whether it may be accepted if it is not chance: it helps, with a possible sign, in enough splits."""
+        return self.helps and self.steady and not self.caution
+
+    def repeats(self, rules: Rules) -> bool:
+        """Whether nearly all splits of many recordings support it."""
+        return self.agreement is not None and self.agreement.repeats(rules)
+
+    def agrees(self, rules: Rules) -> bool:
+        """Whether it is told of many recordings, and enough of their splits that can tell support it."""
+        agreement = self.agreement
+        return agreement is not None and agreement.recordings >= rules.many_recordings and agreement.enough(rules)
+
+    @property
+    def shape(self) -> Float:
+        """Shape values (R, S) on each recording."""
+        return self.candidate.nodes[np.arange(len(self.nodes)), self.nodes]
+
+
+def share_of_own_joints(score: Score, before: Float, floor: Float) -> float:
+    """Return the share of the error (RMS `before` (J,)) of its own joints that a candidate explains on motion it was
+    not fitted to, at most all that is above the noise (`floor` (J,)).
+    """
+    at = list(score.candidate.joints)
+    return min(score.joint_share, above_noise(before[at], floor[at]))
+
+
+def above_noise(before: Float, after: Float) -> float:
+    """Return by what share of itself the squared error falls from one RMS (J,) to another."""
+    return max(0.0, 1.0 - float(np.sum(after**2) / max(float(np.sum(before**2)), 1e-300)))
+
+
+def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) -> Score:
+    """Return the score of a candidate at its best node, without placebos."""
+    grams, active = _looked_at(evidence, columns)
+    novelty = evidence.novelty(grams)
+    rules = evidence.rules
+    alive = (novelty > ABSORBED) & (active >= rules.negligible)
+    if not alive.any():
+        nodes = np.zeros(len(columns), dtype=int)
+        blank = np.zeros(len(evidence.fold_losses))
+        text = "the model's own parameters already contain it, on this motion"
+        return Score(
+            candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text
+        )
+    best: tuple[np.ndarray, Gain] | None = None
+    wrong, whole = 0.0, float(evidence.fold_losses.sum())
+    for nodes, gain in _choices(evidence, candidate, grams, alive):
+        right = admissible(candidate, gain.coefficients, rules)[0]
+        total = float(gain.total[0])
+        if right and (best is None or total > best[1].total[0] + TIED * whole):
+            best = nodes, gain
+        elif not right:
+            wrong = max(wrong, total)
+    if best is None or wrong > 2.0 * max(float(best[1].total[0]), 0.0):
+        nodes, gain = best or next(iter(_choices(evidence, candidate, grams, alive)))
+        text = "fits best with a sign that this effect cannot have" if wrong > rules.least_share * whole else ""
+    else:
+        (nodes, gain), text = best, ""
+    unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
+    share = float(gain.total[0]) / whole if best is not None else 0.0
+    folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
+    helps = share >= rules.least_share and (unseen is None or unseen >= rules.least_share)
+    steady = harmless(rules, gain.folds[:, 0])
+    return Score(
+        candidate,
+        nodes,
+        share,
+        folds,
+        unseen,
+        gain.coefficients[0],
+        float(novelty[nodes[0]]),
+        helps,
+        steady=steady,
+        caution=text,
+        joint_share=min(1.0, share / portion) if (portion := evidence.portion(columns[0].joints)) else 0.0,
+    )
+
+
+def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Float]:
+    """Return the Gram blocks of a candidate, and the share (V,) of samples on which a node is active."""
+    late = [c for c in columns if isinstance(c, LateColumns)]
+    if late and len(late) == len(columns):
+        each = [c.sums(*evidence.signals(index, c.joints)) for index, c in enumerate(late)]
+        found = [products for products in each if products is not None]
+        if len(found) == len(columns):
+            train = found[: len(evidence.train)]
+            whole, seen = (np.sum([np.trace(p.square[k], axis1=1, axis2=2) for p in train], axis=0) for k in (-2, -1))
+            grams = Gram.summed(
+                np.concatenate([p.both for p in found]), np.concatenate([p.square[: len(p.both)] for p in found])
+            )
+            return grams, _share_active(evidence, [p.largest for p in train], whole, seen)
+    parts = [[c.some(piece) for c in columns] for piece in columns[0].pieces]
+    pieces = [(evidence.plain(part), _active(evidence, part)) for part in parts]
+    return Gram.joined([gram for gram, _ in pieces]), np.concatenate([share for _, share in pieces])
+
+
+def harmless(rules: Rules, gains: Float) -> bool:
+    """Whether what held-out recordings lose is small beside what the others gain.
+
+    `gains` (F,) are in units of the pooled residual, so that a quiet recording, which can only lose little torque, does
+    not outvote loud ones. Where splits of the recordings can tell, they decide instead.
+    """
+    lost, won = float(-gains[gains < 0.0].sum()), float(gains[gains > 0.0].sum())
+    return lost <= rules.little * won
+
+
+def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.ndarray:
+    """Return for each entry D of `coefficients` (D, m) whether all lie within their physical bounds.
+
+    That of a `change` is how many times it is there.
+    """
+    effect = candidate.term.effect
+    if candidate.change:
+        return np.asarray(coefficients[:, 0] >= 0.0)  # in the direction that its value says
+    entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*candidate.term.placed_shape.values()][
+        :1
+    ]
+    reach = rules.artefact if candidate.tangent else 1.0
+    ok = np.ones(len(coefficients), dtype=bool)
+    for value, entry in zip(coefficients.T, entries, strict=True):
+        if entry.min is not None:
+            ok &= value >= entry.min * (reach if entry.min < 0.0 else 1.0 / reach)
+        if entry.max is not None:
+            ok &= value <= entry.max * (reach if entry.max > 0.0 else 1.0 / reach)
+    return ok
+
+
+def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
+    """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
+    train = columns[: len(evidence.train)]
+    nodes = len(train[0].values)
+    some = max(1, AT_ONCE * nodes // max(1, sum(c.values.size for c in train)))  # so many stay in a processor's cache
+    parts = [[Columns(c.joints, c.values[at : at + some]) for c in train] for at in range(0, nodes, some)]
+    return np.concatenate([_active_nodes(evidence, part) for part in parts])
+
+
+def _active_nodes(evidence: Evidence, train: Sequence[Columns]) -> Float:
+    largest: list[Float] = []
+    whole: Float = np.zeros(())
+    seen = whole
+    for c, block in zip(train, evidence.train, strict=True):
+        nodes, count, samples, width = c.values.shape
+        if c.is_absent:
+            largest.append(np.zeros((nodes, samples)))
+            continue
+        squares = np.square(c.flat)  # NumPy is slow in reductions over short axes: they are taken apart
+        total = functools.reduce(np.add, [squares[:, m] for m in range(width)])
+        whole = whole + total.sum(axis=1)
+        seen = seen + total @ block.use[list(c.joints)].ravel().astype(float)
+        parts = [squares[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
+        largest.append(functools.reduce(np.maximum, parts))
+    return _share_active(evidence, largest, whole, seen)
+
+
+def _share_active(evidence: Evidence, largest: Sequence[Float], whole: Float, seen: Float) -> Float:
+    """Return the share (V,) of samples at which a node is not zero, from the `largest` squares (V, K) in recordings; 0
+    where too little of the sum of squares, `whole` (V,), is `seen` (V,) by a fit.
+    """
+    peak = np.max([size.max(axis=1) for size in largest], axis=0)
+    live = [np.count_nonzero(size > 1e-6 * peak[:, None], axis=1) / size.shape[1] for size in largest]
+    return np.where((peak > 0.0) & (seen >= evidence.rules.least_share * whole), np.mean(live, axis=0), 0.0)
+
+
+def groups_of(candidate: Candidate) -> list[np.ndarray]:
+    """Return the nodes that differ between recordings, those together that share every other value."""
+    own = candidate.per_recording
+    every = np.arange(candidate.nodes.shape[1])
+    moving = np.setdiff1d(every, candidate.common)
+    if not own or not moving.size:
+        return []
+    _, label = np.unique(np.delete(candidate.nodes[0, moving], own, axis=1), axis=0, return_inverse=True)
+    return [moving[label.ravel() == k] for k in range(label.max() + 1)]
+
+
+def _choices(evidence: Evidence, candidate: Candidate, grams: Gram, alive: np.ndarray) -> list[tuple[np.ndarray, Gain]]:
+    """Return (nodes (R,), Gain) of what the search may choose: of the nodes that are common to all recordings the best
+    with an admissible sign and the best with another, and the best of every group.
+    """
+    recordings = len(evidence.blocks)
+    gain = evidence.gain(grams)
+    common = np.intersect1d(candidate.common, np.flatnonzero(alive))
+    right = admissible(candidate, gain.coefficients[common], evidence.rules)
+    out = []
+    for side in (common[right], common[~right]):
+        if side.size:
+            v = int(side[index_of_greatest(gain.total[side], float(evidence.fold_losses.sum()))])
+            out.append((np.full(recordings, v), gain.entry(v)))
+    groups = groups_of(candidate)
+    if groups:
+        nodes = np.column_stack([v[own_nodes(evidence, candidate, grams.entries(v[:, None]))[:, 0]] for v in groups])
+        gain = evidence.gain(evidence.pick(grams.entries(slice(None), None), nodes))
+        out += [(own, gain.entry(k)) for k, own in enumerate(nodes.T)]
+    return out
+
+
+def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
+    """Return which node (R, D) each recording chooses for itself; D of `grams` is (V, D).
+
+    A recording is fitted alone, base and candidate alike. Not where the candidate is a change of the model's torque: a
+    delay would hide behind friction that all recordings share. There the model's numbers are those of all recordings,
+    and the choice is repeated beside what was chosen.
+    """
+    if not candidate.change:
+        nodes, entries = grams.rows.shape[3:]
+        parts = np.array_split(np.arange(entries), -(-nodes * entries // TOGETHER))
+        chosen = [_best_alone(evidence, candidate, grams.entries(slice(None), part)) for part in parts]
+        return np.concatenate(chosen, axis=1)
+    step: Float = np.zeros((len(evidence.prior), 1))
+    loss = float(evidence.fold_losses.sum())
+    for _ in range(ROUNDS):
+        nodes = np.argmax(tied(-evidence.gains_once(grams, step[:, None]), loss, axis=1), axis=1)
+        step = evidence.step_beside(evidence.pick(grams, nodes))
+    return np.asarray(nodes)
+
+
+def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
+    """Return the node (R, D) at which a candidate gains most where each recording is fitted alone."""
+    shape = grams.rows.shape[3:]
+    flat = Gram(grams.rows.reshape(*grams.rows.shape[:-2], -1))
+    coefficients, gain = evidence.recording_gains(flat)
+    right = [admissible(candidate, each.T, evidence.rules) for each in coefficients]
+    best = tied(-np.where(right, gain, -np.inf).reshape(-1, *shape), float(evidence.fold_losses.sum()), axis=1)
+    return np.asarray(np.argmax(best, axis=1))

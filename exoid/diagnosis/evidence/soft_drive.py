@@ -1,0 +1,300 @@
+"""Is a drive so soft that its encoder, at the motor, does not say where the link is?
+
+The entry `motor_elasticity` predicts the twist from the motion of the encoder, to first order. Near the resonance of
+link and drive that fails: there the motion of the encoder no longer determines that of the link. The measured torque
+still does: what gear, belt or cable pass on is the torque without the friction before it, and the twist is that over
+the stiffness. So the link's motion is found from both, and the rigid body is fitted to it:
+
+    δ = argmin Σ (δ - c τ)² + (δ + c (K δ + D δ' + M δ'') - c τ_0)² ,
+
+with τ the measured torque without friction, τ_0 the rigid-body torque at the encoder's motion, and K, D, M its slopes.
+The first term is noisy above the resonance, the second one says nothing at it. A model made from a measured torque
+predicts nothing, so this is no entry: it only says what the matter is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from exoid.diagnosis.evidence.enough_motion import little_motion
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
+from exoid.diagnosis.evidence.swinging import swinging
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.minimum import minimum
+from exoid.ground.ties import least_of
+from exoid.measurement.signals.compiled import solved_banded
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.linear.factor import factorise
+from exoid.symbolic.columns import slopes_of
+from exoid.symbolic.effect_catalogue import find_effect
+from exoid.symbolic.evaluation import carrying
+from exoid.symbolic.language.deflection import STATES
+from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
+
+ENTRY = "motor_elasticity"
+SOFTEST, STIFFEST, TRIED = 0.3, 6.0, 8
+"""Resonances in Hz between which compliances are tried, and how many of them: above, the entry holds."""
+REACH, CLOSE = 1.6, 0.005
+"""Factor about the best one within which it is refined, and how closely."""
+ROUNDS = 2
+"""Times that the numbers are fitted: friction and inertia enter the twist."""
+NO_BETTER = 0.95
+"""Share of the fitted squared error that the coarse search leaves, beyond which it ends there, for speed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SoftDrive:
+    """A drive at `joint` whose `compliance` (in `unit`, its inverse in `stiffness`) lets its link swing at `hertz`.
+
+    Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged, and `fitted`
+    (J,) on fitted motion; at joints that are `asked` (J,) that was more than noise, of which it leaves the `share`.
+    `sure` is the joint where the other joints' errors fall as well.
+    """
+
+    joint: str
+    compliance: float
+    unit: str
+    stiffness: str
+    hertz: float
+    before: Float
+    after: Float
+    asked: np.ndarray
+    fitted: Float
+    share: float = 1.0
+    sure: bool = True
+
+    @property
+    def name(self) -> str:
+        """Full name of the entry of the catalogue that comes nearest."""
+        return f"{ENTRY}:{self.joint}"
+
+
+_BEST: WeakKeyDictionary[FittedModel, dict[int, SoftDrive | None]] = WeakKeyDictionary()
+"""The best drive at each joint of models still in use: asked before the search and, where it adds nothing, after it."""
+
+
+def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
+    """Return the soft drive that explains far more than everything in `last`, None where there is none.
+
+    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of little motion,
+    which some compliance fits by chance.
+    """
+    asked = last.evaluation_rms > rules.artefact * noise
+    if not _may_be(base, last, asked, rules):
+        return None
+    found = []
+    added = {term.name for term in last.model.terms} - {term.name for term in base.model.terms}
+    for fitted in (base, last) if added else (last,):
+        for joint in range(len(last.model.joints)):
+            one = _best(fitted, joint)
+            if one is None:
+                continue
+            before = last.evaluation_rms
+            falls = (one.after**2 <= rules.half * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
+            others = np.arange(len(before)) != joint
+            share = _share_left(one.after[asked], before[asked], noise[asked])
+            one = replace(one, before=before, asked=asked, share=share, sure=bool(falls[others].all()))
+            beside = fitted is base and one.name in added and len(added) > 1
+            # What explains unseen motion better than the motion it was fitted to does so by chance.
+            left = max(share, _share_left(one.fitted[asked], last.train_rms[asked], noise[asked]))
+            if left <= (rules.most if beside else rules.half) and np.all(
+                one.after <= one.before * (1.0 + ~asked)
+            ):
+                found.append(one)
+    return least_of(found, lambda one: one.share, 1.0) if found else None
+
+
+def _may_be(base: FittedModel, last: FittedModel, asked: np.ndarray, rules: Rules) -> bool:
+    """Whether enough is left (`asked` (J,), where), and recorded, to ask for a soft drive; of what swings by itself, a
+    link on a spring takes up much.
+    """
+    return bool(not little_motion(base.prepared, rules) and asked.any() and swinging(last) is None)
+
+
+def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
+    """Return the soft drive that leaves next to nothing of what its entry leaves, None where there is none.
+
+    What it explains, no search would: nothing need be looked for. At its own joint it must explain most as well, also
+    where what differs between the recordings counts as noise there (a drift).
+    """
+    one = soft_drive(base, base, noise, rules)
+    if one is None or not one.sure:
+        return None
+    own = base.model.joint_names.index(one.joint)
+    if one.after[own] ** 2 > rules.half * base.evaluation_rms[own] ** 2:
+        return None
+    model = base.model.with_effect(find_effect(ENTRY), one.joint)
+    entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).evaluation_rms
+    left = _share_left(one.after[one.asked], entry[one.asked], noise[one.asked])
+    return one if left <= rules.little else None
+
+
+def _share_left(after: Float, before: Float, noise: Float) -> float:
+    """Return the share that is left of squared errors (J,) beyond their `noise`, each in units of that, together."""
+    rest, whole = (float(np.sum(np.maximum((rms / noise) ** 2 - 1.0, 0.0))) for rms in (after, before))
+    return rest / whole if whole > 0.0 else 1.0
+
+
+def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
+    """The drive at `joint` that leaves least of the fitted torque, None where none helps; sought once at all joints."""
+    if fitted not in _BEST:
+        sought = [_sought(fitted, k) for k in range(len(fitted.model.joints))]
+        _BEST[fitted] = {k: None if one is None else _drive(fitted, k, one) for k, one in enumerate(sought)}
+    return _BEST[fitted][joint]
+
+
+def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:
+    """Return the compliance at `joint` that leaves least of the fitted torque, its resonance, and what it leaves, as
+    fields of a SoftDrive; None where none helps.
+
+    None as well where the model has terms that change its mechanism or its whole torque.
+    """
+    train = fitted.prepared.train
+    if fitted.model.derived or any(is_transform(term) for term in fitted.model.terms):
+        return None
+    if not any(one.driven[joint] and not one.standing[joint] for one in train):
+        return None
+    links = [_Link(fitted, k, joint) for k in range(len(fitted.prepared.all))]
+    # What the torque rises by with the acceleration, at the median of the motion.
+    inertia = float(np.median(np.concatenate([link.slopes(fitted.linear)[2] for link in links])))
+    if not inertia > 0.0:
+        return None
+    count, scale = len(train), np.maximum(fitted.train_rms, 1e-12)
+
+    def cost(compliance: float, rounds: int = ROUNDS) -> float:
+        left = _left(links[:count], count, compliance, scale, fitted.linear, rounds)
+        return float(np.mean((pooled_rms(left, train) / scale) ** 2))
+
+    tried = ((2.0 * np.pi * hertz) ** -2.0 / inertia for hertz in np.geomspace(SOFTEST, STIFFEST, TRIED).tolist())
+    least, coarse = min((cost(compliance, 1), compliance) for compliance in tried)
+    if least > NO_BETTER:
+        return None
+    low, high = float(np.log(coarse / REACH)), float(np.log(coarse * REACH))
+    compliance = float(np.exp(minimum(lambda x: cost(float(np.exp(x))), low, high, CLOSE)[0]))
+    left, every = _left(links, count, compliance, scale, fitted.linear), fitted.prepared.all
+    judged = slice(count, None) if fitted.verified else slice(0, count)
+    return {
+        "compliance": compliance,
+        "hertz": float((compliance * inertia) ** -0.5 / (2.0 * np.pi)),
+        "after": pooled_rms(left[judged], every[judged]).tolist(),
+        "fitted": pooled_rms(left[:count], train).tolist(),
+    }
+
+
+def _drive(fitted: FittedModel, joint: int, found: dict[str, Any]) -> SoftDrive:
+    """Return the drive at `joint` with what was `found` of it."""
+    before, one = fitted.evaluation_rms, fitted.model.joints[joint]
+    arrays = {key: np.array(found[key]) for key in ("after", "fitted")}
+    return SoftDrive(
+        joint=one.name,
+        unit=f"{one.unit('q')}/({one.unit('tau')})",
+        stiffness=f"{one.unit('tau')}/{one.unit('q')}",
+        before=before,
+        asked=before > 0.0,
+        **{**found, **arrays},
+    )
+
+
+class _Link:
+    """One recording and the link behind one drive in it, beside the shape values of a fitted model."""
+
+    def __init__(self, fitted: FittedModel, index: int, joint: int) -> None:
+        self.model, self.one, self.joint = fitted.model, fitted.prepared.all[index], joint
+        self.shape, self.motion = fitted.shapes[index], self.one.motion
+        self.inertial = slice(0, len(self.model.inertial))
+        self.term = Term(find_effect(ENTRY), self.model.joints[joint].name, self.model.joints)
+        self.reference = fitted.linear if self.model.needs_reference else None
+        self.bare = self.model.base()
+        self._kept: tuple[bytes, tuple[Float, Float, Float]] | None = None
+        self.own = self.bare.whole_columns(self.motion)[joint]
+
+    @cached_property
+    def still(self) -> Float:
+        """The filtered columns (J, K, P), or (J, K, P + 1) with measured forces, with the link where the encoder is."""
+        return self._smooth(self.model.whole_columns(self.motion, self.shape, self.reference))
+
+    def _smooth(self, columns: Float) -> Float:
+        """Return columns (J, N, P) as (J, K, P), filtered as the torque was."""
+        return self.one.smooth_columns(columns)
+
+    def slopes(self, linear: Float) -> tuple[Float, Float, Float]:
+        """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration; at
+        the numbers asked first they are kept, since every compliance begins with these.
+        """
+        carried = self._carried(linear)
+        if self._kept is not None and self._kept[0] == carried.tobytes():
+            return self._kept[1]
+        found = slopes_of(self.bare, (self.term,), self.motion, carried, np.zeros(0))
+        by_angle, by_speed, by_acceleration = (found[f"tau{self.joint + 1}_by_{s}{self.joint + 1}"] for s in STATES)
+        self._kept = self._kept or (carried.tobytes(), (by_angle, by_speed, by_acceleration))
+        return by_angle, by_speed, by_acceleration
+
+    def _carried(self, linear: Float) -> Float:
+        """Return the numbers of the bare model among `linear` (P,), known loads included."""
+        return carrying(self.bare, self.motion, linear[: self.bare.base_count])
+
+    def read(self, compliance: float, linear: Float) -> tuple[Float, Float]:
+        """Return the filtered columns (J, K, P) where the link stands behind its twist, and the torque (J, K) that they
+        must explain; `linear` (P,) are the numbers that the twist is found with.
+        """
+        own, carried, rate = self.own, self._carried(linear), self.one.rate
+        outside = slice(self.inertial.stop, None)
+        load = self.one.wide_tau[:, self.joint] - own[:, outside] @ carried[outside]
+        rigid = own[:, self.inertial] @ carried[self.inertial]
+        turned = twist(load, rigid, self.slopes(linear), compliance, rate)[:, None]
+        speed, rise = np.gradient(turned, 1.0 / rate, axis=0), np.zeros_like(turned)
+        rise[1:-1] = (turned[2:] - 2.0 * turned[1:-1] + turned[:-2]) * rate**2  # as the twist was found with
+        at, only = self.motion, np.eye(self.motion.q.shape[1])[self.joint]
+        link = replace(at, q=at.q - turned * only, dq=at.dq - speed * only, ddq=at.ddq - rise * only)
+        columns = self.still.copy()
+        columns[:, :, self.inertial] = self._smooth(self.bare.columns(link)[:, :, self.inertial])
+        known = columns @ carrying(self.model, at, np.zeros(len(linear)))
+        return columns[:, :, : len(linear)], self.one.torque - known
+
+
+def _left(
+    links: Sequence[_Link], count: int, compliance: float, scale: Float, linear: Float, rounds: int = ROUNDS
+) -> list[Float]:
+    """Return what is left (J, K) of every recording at the numbers that fit the first `count` best."""
+    free = np.array([entry.term != links[0].term.name for entry in links[0].model.parameters])
+    linear = np.where(free, linear, 0.0)  # the twist is not in the model a second time
+    for _ in range(rounds):
+        pairs = [link.read(compliance, linear) for link in links]
+        weights = [link.one.used / scale[:, None] for link in links[:count]]
+        rows = [(x * w[:, :, None])[:, :, free].reshape(w.size, -1) for (x, _), w in zip(pairs, weights, strict=False)]
+        right = [(y * w).ravel() for (_, y), w in zip(pairs, weights, strict=False)]
+        factor = factorise(np.concatenate(rows))
+        linear = np.zeros(len(linear))
+        linear[free] = factor.backward @ (factor.basis.T @ np.concatenate(right))
+    return [wanted - columns @ linear for columns, wanted in pairs]
+
+
+def twist(load: Float, rigid: Float, slopes: tuple[Float, Float, Float], compliance: float, rate: float) -> Float:
+    """Return the twist (N,) that both the measured `load` (N,) and the link's equation of motion want.
+
+    `rigid` (N,) is the rigid-body torque at the encoder's motion, `slopes` its derivatives (N,) by angle, velocity and
+    acceleration, `compliance` in rad/(N·m), `rate` in Hz.
+    """
+    by_angle, by_speed, by_acceleration = (compliance * slope for slope in slopes)
+    below, above = (by_acceleration * rate**2 + side * 0.5 * by_speed * rate for side in (-1.0, 1.0))
+    middle, wanted = 1.0 + by_angle - 2.0 * by_acceleration * rate**2, compliance * rigid
+    for row in (below, middle, above, wanted):  # at both ends only the load is asked
+        row[[0, -1]] = 0.0
+    banded = np.zeros((3, len(load)))
+    banded[2] = 1.0 + middle**2
+    banded[2, :-1] += below[1:] ** 2
+    banded[2, 1:] += above[:-1] ** 2
+    banded[1, 1:] = middle[:-1] * above[:-1] + below[1:] * middle[1:]
+    banded[0, 2:] = below[1:-1] * above[1:-1]
+    right = compliance * load + middle * wanted
+    right[:-1] += below[1:] * wanted[1:]
+    right[1:] += above[:-1] * wanted[:-1]
+    return solved_banded(banded, right)

@@ -1,0 +1,239 @@
+"""Add an effect and watch the error: the same samples, the same filter, one model after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
+from exoid.diagnosis.reported import Reported
+from exoid.diagnosis.results import Step, steps_figure, steps_table
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.verdict import biased_parameters, sentence_of
+from exoid.ground.errors import ExoidError
+from exoid.ground.frames import pandas
+from exoid.ground.html import bullets, lines, picture
+from exoid.ground.plain import AsJson, by_name
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, machine_of, model_of, question_of
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS
+from exoid.symbolic.wording import added_said
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Waterfall(Reported, AsJson):
+    """The error from model to model: `steps` with RMS (J,) in N·m, down to the `noise_floor` (J,)."""
+
+    steps: tuple[Step, ...]
+    noise_floor: Float
+    stopped_because: str
+    fits: tuple[Fit, ...] = field(repr=False, default=())
+
+    @property
+    def fit(self) -> Fit:
+        """The fit of the last model."""
+        return self.fits[-1]
+
+    def to_frame(self) -> Any:
+        """Return one row per step."""
+        rows = [s.to_json() for s in self.steps]
+        return pandas().DataFrame(rows, columns=["model", "train_rms", "verify_rms"])
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints (J,), in the order of every list per joint."""
+        return self.fits[0].model.joint_names if self.fits else JOINTS
+
+    @property
+    def unit(self) -> str:
+        """Unit of the torques, in words."""
+        return self.fits[0].model.torque_unit if self.fits else "N·m"
+
+    def plot(self) -> Figure:
+        """Draw the falling error."""
+        return steps_figure(self.steps, self.noise_floor, self.joints, self.unit)
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure)."""
+        return [("The error falling", falling_text(self.steps, self.joints, self.unit), self.plot())]
+
+    def __repr__(self) -> str:
+        return falling_text(self.steps, self.joints, self.unit)
+
+    def _repr_html_(self) -> str:
+        fall = falling_text(self.steps, self.joints, self.unit)
+        return steps_table(self.steps, self.noise_floor, self.joints, self.unit) + picture(self.plot(), fall)
+
+    def _json(self) -> dict[str, Any]:
+        return {"steps": self.steps, "noise_floor": self.noise_floor, "stopped_because": self.stopped_because}
+
+
+@dataclass(frozen=True, eq=False)
+class Addition(Reported, AsJson):
+    """One effect added: the extended `model`, the fits `before` and `after`, and whether unseen motion gained."""
+
+    model: Model
+    before: Fit
+    after: Fit
+    waterfall: Waterfall
+    sentence: str
+    helped: bool
+    backend: str
+    biased: tuple[str, ...] = ()
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure)."""
+        return self.waterfall.figures()
+
+    def to_frame(self) -> Any:
+        """Return one row per step."""
+        return self.waterfall.to_frame()
+
+    def plot(self) -> Figure:
+        """Draw the falling error."""
+        return self.waterfall.plot()
+
+    def __repr__(self) -> str:
+        return f"{self.sentence}\n{self.waterfall!r}"
+
+    def _repr_html_(self) -> str:
+        return lines(strong=self.sentence) + self.waterfall._repr_html_() + bullets(self.biased)
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "helped": self.helped, "sentence": self.sentence, "backend": self.backend, "biased": self.biased,
+            "parameters": by_name(self.after.estimates), "steps": self.waterfall.steps,
+            "noise_floor": self.waterfall.noise_floor, "stopped_because": self.waterfall.stopped_because,
+        }  # fmt: skip
+
+
+def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str:
+    """Return the steps as lines of text."""
+    lines = []
+    for step in steps:
+        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(joints, step.evaluation_rms, strict=True))
+        lines.append(f"{added_said(step.label)}: {step.judged} error [{unit}] {numbers}")
+    return "\n".join(lines)
+
+
+def fit_in_turn(
+    models: Sequence[Model],
+    recordings: Given,
+    verify: Given = (),
+    *,
+    cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
+) -> Waterfall:
+    """Fit one model after the other to the same samples and return how the error falls."""
+    if not models:
+        raise ValueError("watch needs at least one model")
+    _, recordings, verify = question_of(models[0], recordings, verify)
+    models = [pushed_model(model, (*recordings, *verify)) for model in models]
+    prepared = prepare(models[0], recordings, verify, cutoff=cutoff, derivative=derivative)
+    fits = [identify(model, prepared.train, optimisers=()) for model in models]
+    return _waterfall(fits, prepared)
+
+
+def add(
+    model: Model,
+    effect: Effect | str,
+    recordings: Given,
+    verify: Given = (),
+    *,
+    joint: str | None = None,
+    cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
+) -> Addition:
+    """Extend `model` by `effect` ("stribeck:hip", or an Effect at `joint`), generate and compile its code, refit, and
+    compare.
+
+    Recordings are what `exoid.measurement.reading.given` takes. Refuses effects that do not exist there or that the
+    model has already.
+    """
+    own = machine_of(model_of(model))
+    if recordings is None or (isinstance(recordings, str) and recordings in own.joint_names):
+        raise ExoidError(
+            f"{recordings!r} is a joint and no recording",
+            remedy=f"add(model, 'stribeck:{recordings or own.joint_names[0]}', recordings, verify)",
+        )
+    model, recordings, verify = question_of(own, recordings, verify)
+    model = pushed_model(model, (*recordings, *verify))
+    extended = model.with_effect(effect, joint)
+    prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
+    found = identify(extended, prepared.train, optimisers=())
+    if extended.terms[-1].may_move:
+        each = identify(model.with_effect(effect, joint, own_places=True), prepared.train, optimisers=())
+        if places_pay(fitted_model(found, prepared), fitted_model(each, prepared)):
+            extended, found = each.model, each
+    code = compiled(extended)
+    judged = fitted_model(found, prepared).judged_anew()
+    before = identify(model, judged.train, optimisers=())
+    after = found if judged is prepared else identify(extended, judged.train, optimisers=())
+    waterfall = _waterfall([before, after], judged)
+    term = extended.terms[-1]
+    prefix = f"{term.name}."
+    numbers = {e.name.removeprefix(prefix): e for e in after.estimates if e.name.startswith(prefix)}
+    fall = _fall(waterfall.steps)
+    inside = _admissible(extended, after, prefix)
+    helped = fall > RULES.negligible and not inside
+    kind = "unseen" if verify else "fitted"
+    text = f"{sentence_of(term, numbers)}: the {kind} error falls by {100 * fall:.1f} % at the joint that gains most."
+    if fall <= RULES.negligible:
+        text = f"{sentence_of(term, numbers)} does not lower the {kind} error; the model is better without it."
+    elif inside:
+        text += f" But {inside}: it is not this effect that is missing."
+    if not verify:
+        text += " No recording was held out (verify), so nothing shows that it holds on other motion."
+    return Addition(extended, before, after, waterfall, text, helped, code.backend, biased_parameters(before, after))
+
+
+def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:
+    steps: list[Step] = []
+    known: set[str] = set()
+    for fit in fits:
+        now = fitted_model(fit, prepared)
+        new = [t for t in now.model.terms if t.name not in known]
+        known |= {t.name for t in now.model.terms}
+        if steps and new:
+            label = " ".join(f"+ {t.name}" for t in new)
+        else:
+            label = "base" if not now.model.terms else now.model.name
+        steps.append(Step(label, now.train_rms, now.verify_rms))
+    return Waterfall(tuple(steps), prepared.noise_floor, "these were the models given", tuple(fits))
+
+
+def _fall(steps: Sequence[Step]) -> float:
+    """Return the relative fall of the error from the first to the last step, at the joint that gains most.
+
+    Negative where the other joint loses more than this one gains.
+    """
+    old, new = steps[0].evaluation_rms, steps[-1].evaluation_rms
+    change = (old - new) / np.maximum(old, 1e-300)
+    return float(change.max() if change.sum() > 0.0 else change.min())
+
+
+def _admissible(model: Model, fit: Fit, prefix: str) -> str:
+    """Return "" or, in words, which coefficient of the new term has a value it physically cannot have."""
+    for parameter in model.parameters:
+        if not parameter.name.startswith(prefix):
+            continue
+        value = fit.estimate(parameter.name).value
+        if parameter.min is not None and value < parameter.min:
+            return f"{parameter.name} = {value:.3g} {parameter.unit}, which cannot be below {parameter.min:g}"
+        if parameter.max is not None and value > parameter.max:
+            return f"{parameter.name} = {value:.3g} {parameter.unit}, which cannot be above {parameter.max:g}"
+    return ""

@@ -1,0 +1,150 @@
+"""What is asked of recordings, and the search that looks for the answer, whichever of them are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exoid.diagnosis.evidence.channels import doubts_before, doubts_of_recordings
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.intermittent import intermittent
+from exoid.diagnosis.evidence.library import build_library
+from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
+from exoid.diagnosis.evidence.stretches import searched_stretches
+from exoid.diagnosis.readings import readings_of
+from exoid.diagnosis.results import Step
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.engine import Found, run_search
+from exoid.diagnosis.search.state import Extension, State
+from exoid.diagnosis.settings import DiscoverySettings
+from exoid.diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
+from exoid.ground.progress import Progress
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """A search that has ended: all recordings prepared, what was searched of them (`context`), and what was found.
+
+    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed, `soft`
+    the drive that explains so much that none was made.
+    """
+
+    prepared: Prepared
+    base: FittedModel
+    context: SearchContext
+    found: Found
+    answer: Conclusion | None = None
+    soft: SoftDrive | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of recordings, whichever of them are fitted."""
+
+    model: Model
+    asked: DiscoverySettings
+
+    @property
+    def rules(self) -> Rules:
+        """The thresholds that decide."""
+        return self.asked.limited(len(self.model.joints))
+
+    def fitted(
+        self,
+        recordings: Sequence[Recording],
+        verify: Sequence[Recording],
+        tick: Progress,
+        prepared: Prepared | None = None,
+    ) -> FittedModel:
+        """Return the model as it was given, fitted to the recordings, which are prepared unless they are."""
+        tick(0.02, "preparing the recordings")
+        if prepared is None:
+            asked = self.asked
+            prepared = prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
+        return fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
+
+    def search(
+        self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None
+    ) -> Searched:
+        """Search beside `base`, the model as it was `fitted`; `found` hears of every step."""
+        asked, rules, prepared = self.asked, self.rules, base.prepared
+
+        def context_of(part: Prepared) -> SearchContext:
+            more = (*own_effects(self.model, asked.extra), *readings_of(self.model, prepared))
+            library = build_library(self.model, part.all, more)
+            return SearchContext(part, library, asked.seed, tick, rules)
+
+        answer = _before_any_search(
+            base, rules, lambda: most_explained(context_of(searched_stretches(prepared, rules)), base)
+        )
+        part = prepared if answer is not None else searched_stretches(prepared, rules)
+        context = context_of(part)
+        if found is not None:
+            context = replace(context, grown=lambda state: found(steps_of(state.extensions)))
+        if answer is not None:
+            return Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
+        start = Extension(base) if part is prepared else context.fit(self.model)
+        first = tuple(context.rank(start, 1)[1])  # wanted in any case
+        soft = plainly_soft(start.fitted, context.noise(start), rules)
+        if soft is not None:
+            nothing = Found(State((start,)), first)
+            return Searched(prepared, base, context, nothing, soft=soft)
+        return Searched(prepared, base, context, run_search(context, start))
+
+
+def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
+    """Return `extra` and the user's own effects, each once: those the model declares and those it has already."""
+    own = (*extra, *model.custom, *(term.effect for term in model.terms if term.effect.custom))
+    return tuple({effect.id: effect for effect in reversed(own)}.values())[::-1]
+
+
+def most_explained(context: SearchContext, base: FittedModel) -> float:
+    """Return what share of the unseen error the best entry of the catalogue explains, of those that do not follow the
+    model's own torque.
+    """
+    start = Extension(base) if context.prepared is base.prepared else context.fit(base.model)
+    candidates = [one for one in context.library.candidates if not is_transform(one.term)]
+    scores = context.all_weighed(start, context.evidence(start, draws=0), candidates)
+    return max((score.share for score in scores if score.helps and not score.caution), default=0.0)
+
+
+def _before_any_search(base: FittedModel, rules: Rules, best: Callable[[], float]) -> Conclusion | None:
+    """Return the conclusion that needs no search: the channels cannot be right, something outside acts in part of the
+    time, or nothing is left but filter error.
+    """
+    if base.prepared.misread:
+        return check_channels(base.prepared.misread)
+    if (wrong := doubts_of_recordings(base, rules)) is not None:
+        return doubted(wrong)
+    outside = intermittent(base, rules)
+    if outside is not None:
+        return pushed(outside, base.model.joints)
+    doubt = doubts_before(base, rules, best)
+    if doubt is not None:
+        return doubted(doubt)
+    if np.all(base.evaluation_rms <= rules.artefact * base.prepared.filter_error):
+        return within_filter_error(base)
+    return None
+
+
+def steps_of(extensions: Sequence[Extension], sentences: Sequence[str] = ()) -> tuple[Step, ...]:
+    """Return the falling error; `sentences` are about those that were added."""
+    said = ("", *sentences)
+    return tuple(
+        Step(
+            "base" if s.added is None else f"+ {s.added.name}",
+            s.fitted.train_rms,
+            s.fitted.verify_rms,
+            said[i] if i < len(said) else "",
+        )
+        for i, s in enumerate(extensions)
+    )

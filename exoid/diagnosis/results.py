@@ -1,0 +1,444 @@
+"""What a diagnosis returns. The JSON of `exoid diagnose` and `discover` is these fields written out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.apart import Apart
+from exoid.diagnosis.evidence.consistency import Differing
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.model_error import ModelError
+from exoid.diagnosis.evidence.power import Power
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.outside import ForceUse
+from exoid.diagnosis.plots import falling_error, suspects
+from exoid.diagnosis.reported import Reported
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
+from exoid.diagnosis.torques import torques_over_time
+from exoid.ground.frames import pandas
+from exoid.ground.html import Bar, bullets, fold, lines, picture, table
+from exoid.ground.plain import AsJson, by_name
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.thigh_length import ThighLength
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS, Estimate
+from exoid.symbolic.wording import added_said, called, number_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+SCHEMA = "exoid.discovery/1"
+HEADLINES: Mapping[str, str] = MappingProxyType(
+    {
+        "adequate": "Nothing is missing that these recordings can tell from noise",
+        "unexplained": "Something is left that no known effect explains",
+        "check_channels": "Check the channels: they cannot be what they say",
+    }
+)
+"""The answer in a line where no effect was found."""
+
+
+@dataclass(frozen=True)
+class Suspect(AsJson):
+    """A catalogue entry with its evidence.
+
+    `explained_share`: of the weighted error of the joints it acts on, on motion it was not fitted to.
+    """
+
+    effect: str
+    joint: str | None
+    explained_share: float
+    p_value: float | None
+    look_alikes: tuple[str, ...] = ()
+    caution: str = ""
+    sureness: str = ""
+    """How sure it is that it is missing (`exoid.diagnosis.sureness`); "" where it was not accepted."""
+
+    @property
+    def name(self) -> str:
+        """Full name, e.g. "stribeck:knee"."""
+        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
+
+
+@dataclass(frozen=True, eq=False)
+class Accepted(AsJson):
+    """An effect that was added, its parameters as fitted in the last model, and what it changed (RMS in N·m).
+
+    Of its `look_alikes` some are `never_separable` by any motion, and some are `outside` the catalogue. `left` is how
+    many times the noise is left at its joints in the last model, `share` what it takes of their squared error.
+    """
+
+    effect: str
+    joint: str | None
+    parameters: Mapping[str, Estimate]
+    look_alikes: tuple[str, ...]
+    never_separable: tuple[str, ...]
+    p_value: float
+    rms_before: Float
+    rms_after: Float
+    sentence: str
+    agreement: Agreement = field(default_factory=Agreement)
+    against: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
+    left: float = 0.0
+    share: float = 0.0
+    doubted: bool = False
+    """Whether something speaks against it that is no other effect: angles that were filtered."""
+
+    @property
+    def fall(self) -> float:
+        """By what share of itself the squared error of unseen motion fell with it, the mean of the joints it shows."""
+        seen = np.asarray(self.rms_before) > 0.0
+        return float(1.0 - np.mean((self.rms_after[seen] / self.rms_before[seen]) ** 2)) if seen.any() else 0.0
+
+    @property
+    def name(self) -> str:
+        """Full name, e.g. "stribeck:knee"."""
+        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
+
+    @property
+    def sureness(self) -> str:
+        """How sure it is that it is missing, in one word (`exoid.diagnosis.sureness`)."""
+        doubted = bool(self.look_alikes) or self.doubted
+        return sureness(self.p_value, self.agreement, doubted=doubted, left=self.left)
+
+    @property
+    def stability(self) -> str:
+        """In how many splits of the recordings it is accepted, with which values; "" where none can tell."""
+        units = {name: e.unit for name, e in self.parameters.items()}
+        return stability_of(self.agreement, units, self.against, lambda key: number_of(f"{self.effect}.{key}"))
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "effect": self.effect, "joint": self.joint, "parameters": self.parameters, "look_alikes": self.look_alikes,
+            "never_separable": self.never_separable, "p_value": self.p_value, "rms_before": self.rms_before,
+            "rms_after": self.rms_after, "sentence": self.sentence, "accepted_in": self.agreement.share,
+            "splits": self.agreement.of, "ranges": self.agreement.ranges, "against": self.against,
+            "stability": self.stability, "sureness": self.sureness, "times_noise_left": self.left,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Possible(AsJson):
+    """An effect that helps but is not accepted: only some splits support it, or `reason` says what speaks against it.
+
+    `parameters` have the range over the splits as `low` and `high`; `early`: its torque would come before its motion.
+    """
+
+    effect: str
+    joint: str | None
+    agreement: Agreement
+    parameters: Mapping[str, Estimate]
+    explained_share: float
+    reason: str
+    early: bool = False
+
+    @property
+    def name(self) -> str:
+        """Full name, e.g. "stribeck:knee"."""
+        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
+
+    @property
+    def sentence(self) -> str:
+        """The effect and why it is only possible, in words."""
+        return f"{called(self.name)}: {self.reason}"
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "effect": self.effect, "joint": self.joint, "accepted_in": self.agreement.share,
+            "splits": self.agreement.of, "parameters": self.parameters, "explained_share": self.explained_share,
+            "reason": self.reason,
+        }  # fmt: skip
+
+
+def stability_of(
+    agreement: Agreement, units: Mapping[str, str], against: Sequence[str] = (), said: Callable[[str], str] = str
+) -> str:
+    """Return e.g. "accepted in 83 of 84 splits, c 0.0031 to 0.0042 kg·m²", and which recordings disagree; `said` is
+    what a number is called.
+    """
+    if agreement.share is None:
+        return ""
+    text = f"accepted in {agreement.accepted} of {agreement.of} splits of the recordings"
+    for name, (low, high) in agreement.ranges.items():
+        if low == high:  # a choice
+            continue
+        unit = "" if units.get(name, "1") in ("1", "") else f" {units[name]}"
+        text += f", {said(name)} {low:.3g} to {high:.3g}{unit}"
+    if against and agreement.accepted < agreement.of:
+        text += f"; it loses where {', '.join(against)} are held out"
+    return text
+
+
+@dataclass(frozen=True, eq=False)
+class Step(AsJson):
+    """One model on the way down: RMS (J,) in N·m after the common filter, on the same samples at every step."""
+
+    label: str
+    train_rms: Float
+    verify_rms: Float | None
+    sentence: str = ""
+
+    @property
+    def judged(self) -> str:
+        """On which motion a reader is shown the error: "unseen" where there are verification recordings."""
+        return "fitted" if self.verify_rms is None else "unseen"
+
+    @property
+    def evaluation_rms(self) -> Float:
+        """The error (J,) on that motion, N·m."""
+        return self.train_rms if self.verify_rms is None else self.verify_rms
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "model": self.label, "train_rms": self.train_rms, "verify_rms": self.verify_rms, "sentence": self.sentence,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis(Reported, AsJson):
+    """The answer of `diagnose` (at most one step) and `discover` (to the end).
+
+    `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
+    to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
+    N·m. `differing` names what a single recording wants different from all the others; `possible` are effects that
+    help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
+    fitted to all the recordings as they were prepared. `forces` are the measured ones of the model, `left_out`
+    recordings that are not of what the others are of, `power` what would have shown where nothing is missing.
+    """
+
+    schema: ClassVar[str] = SCHEMA
+    INSTEAD: ClassVar[Mapping[str, str]] = {
+        "save": "found.report('out') writes the page, found.model.save('leg.toml', found.fit) the model; "
+        "found.to_json() is the whole answer",
+        "summary": "print(found)",
+    }
+
+    verdict: str
+    rule: str
+    sentence: str
+    accepted: tuple[Accepted, ...]
+    suspects: tuple[Suspect, ...]
+    steps: tuple[Step, ...]
+    noise_floor: Float
+    unexplained: Remainder | None
+    unexplained_significant: bool
+    audit: tuple[Finding, ...]
+    seconds: float
+    next_experiment: str
+    model: Model
+    fit: Fit = field(repr=False)
+    cutoff: str = ""
+    stopped_because: str = ""
+    biased: tuple[str, ...] = ()
+    differing: tuple[Differing, ...] = ()
+    error: ModelError | None = None
+    possible: tuple[Possible, ...] = ()
+    rules: Rules = field(default=RULES, repr=False)
+    thigh_length: ThighLength | None = None
+    given: FittedModel | None = field(default=None, repr=False)
+    forces: tuple[ForceUse, ...] = ()
+    left_out: tuple[Apart, ...] = ()
+    power: tuple[Power, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """Unit of the torques, in words."""
+        return self.model.torque_unit
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints (J,), in the order of every list per joint."""
+        return self.model.joint_names
+
+    @property
+    def sureness(self) -> str:
+        """How sure the whole answer is: as its least sure effect, and never very sure where more is missing; "" where
+        nothing was accepted. Beside others those with look-alikes are told by themselves.
+        """
+        told, alike = self._told_apart
+        words = [one.sureness for one in told or alike]
+        return least_sure([*words, FAIRLY] if words and self.more_missing else words)
+
+    @property
+    def more_missing(self) -> str:
+        """What is missing beside what was accepted, in words: where, and how many times the noise; "" for nothing."""
+        if self.error is not None:
+            return f"the {self.error.joint} keeps {self.error.beside}"
+        return "" if self.unexplained is None else f"the {self.unexplained.joint} keeps what no known effect explains"
+
+    @property
+    def headline(self) -> str:
+        """The answer in a line: "Found: end stop at the hip, 35 N·m/rad ...; very sure"."""
+        if self.verdict not in ("missing", "ambiguous"):
+            return HEADLINES[self.verdict]
+        told, alike = self._told_apart
+        parts = [*(one.sentence for one in told), self.sureness] if told else []
+        if alike:
+            which = "which of their look-alikes they are" if len(alike) > 1 else "which of its look-alikes it is"
+            parts += [*(one.sentence for one in alike), f"{UNSURE} {which}"]
+        if more := self.more_missing:
+            parts.append(f"more is missing: {more}")
+        return f"Found: {'; '.join(parts)}"
+
+    @property
+    def further(self) -> str:
+        """What the sentence says beyond the headline."""
+        return self.sentence.removeprefix(f"Missing: {self._named}. ")
+
+    @property
+    def _told_apart(self) -> tuple[list[Accepted], list[Accepted]]:
+        """Those accepted that nothing else explains as well, and those with look-alikes."""
+        return [a for a in self.accepted if not a.look_alikes], [a for a in self.accepted if a.look_alikes]
+
+    @property
+    def _named(self) -> str:
+        return "; ".join(one.sentence for one in self.accepted)
+
+    def called(self, name: str) -> str:
+        """Return what an effect such as "stribeck:knee" is called."""
+        return called(name, self.model.find_effect)
+
+    @property
+    def _unexplained_json(self) -> dict[str, Any]:
+        one = self.unexplained
+        if one is None and self.error is not None and self.verdict == "unexplained":
+            share = 1.0 - self.error.times**-2.0
+            joint = self.error.joint
+            return {"significant": True, "joint": joint, "variables": [], "share": share, "suggested_terms": []}
+        if one is None or not self.unexplained_significant:
+            return {"significant": False, "joint": None, "variables": [], "share": 0.0, "suggested_terms": []}
+        return {
+            "significant": True,
+            "joint": one.joint,
+            "variables": one.variables,
+            "share": one.joint_share,
+            "p_value": one.p_value,
+            "suggested_terms": [s.text for s in one.suggestions],
+            "suggested_toml": [s.to_toml(one.joint, one.own) for s in one.suggestions[:1]],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the suspects, one row each, best first."""
+        rows = [
+            (s.name, s.explained_share, s.sureness, s.p_value, ", ".join(s.look_alikes), s.caution)
+            for s in self.suspects
+        ]
+        head = ["effect", "explained_share", "sureness", "p_value", "look_alikes", "caution"]
+        return pandas().DataFrame(rows, columns=head)
+
+    def plot(self) -> Figure:
+        """Draw the falling error."""
+        return steps_figure(self.steps, self.noise_floor, self.joints, self.unit)
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure) of everything there is to see."""
+        first, last = self.steps[0], self.steps[-1]
+        kind, before, after = "fitted", first.train_rms, last.train_rms
+        if first.verify_rms is not None and last.verify_rms is not None:
+            kind, before, after = "unseen", first.verify_rms, last.verify_rms
+        changes = zip(self.joints, before, after, strict=True)
+        text = "; ".join(f"{joint}: {kind} error from {b:.3g} to {a:.3g} {self.unit}" for joint, b, a in changes)
+        out = [("The error falling", text, self.plot())]
+        if self.suspects:
+            best = ", ".join(self.called(s.name) for s in self.suspects[:3])
+            alt = f"Share of the unseen error each suspect explains alone; first: {best}."
+            bars = [
+                (self.called(s.name), s.joint, s.explained_share, s.sureness in (VERY, FAIRLY)) for s in self.suspects
+            ]
+            out.append(("Suspects", alt, suspects(bars)))
+        if self.unexplained is not None:
+            out.append(("What nobody explains", self.unexplained.sentence, self.unexplained.plot()))
+        return out
+
+    def __repr__(self) -> str:
+        lines = [f"{self.verdict}: {self.headline}", f"  {self.further}", f"  why: {self.rule}"]
+        names = [added_said(step.label) for step in self.steps]
+        for step, name in zip(self.steps, names, strict=True):
+            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))
+            lines.append(f"  {name:<{max(map(len, names))}}  {step.judged} error [{self.unit}]: {numbers}")
+        lines += [f"  {self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
+        lines += [f"  possible, {p.sentence}" for p in self.possible]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (self.called(s.name), f"{100 * s.explained_share:.0f} %", s.sureness or None,
+             ", ".join(map(self.called, s.look_alikes)), s.caution, s.p_value, s.name)
+            for s in self.suspects[:8]
+        ]  # fmt: skip
+        head = ("suspect", "explains", "how sure", "look-alikes in these data", "caution", "p-value", "id")
+        ranking = table(head, rows) + fold("what the words mean", bullets(meanings_of(MEANINGS)))
+        return (
+            lines(self.further, strong=self.headline)
+            + steps_table(self.steps, self.noise_floor, self.joints, self.unit)
+            + self._torques()
+            + (ranking if rows else "")
+            + fold("why", lines(f"{self.verdict}: {self.rule}", *self._stable))
+            + lines(*(f"possible, {p.sentence}" for p in self.possible))
+            + lines(*(f"differs: {d.sentence}" for d in self.differing))
+            + lines(self.next_experiment and f"measure next: {self.next_experiment}")
+        )
+
+    @property
+    def _stable(self) -> list[str]:
+        return [f"{self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
+
+    def _torques(self) -> str:
+        """Return the picture of the torque before and after, where the recordings are known."""
+        if self.given is None:
+            return ""
+        models = {"model": self.given}
+        if len(self.steps) > 1:
+            models = {"before": self.given, "after": fitted_model(self.fit, self.given.prepared)}
+        return picture(torques_over_time(models), f"Torque over time, measured, and of: {', '.join(models)}")
+
+    def _json(self) -> dict[str, Any]:
+        return {
+            "schema": self.schema, "verdict": self.verdict, "headline": self.headline, "sureness": self.sureness,
+            "joints": self.joints, "rule": self.rule, "sentence": self.sentence, "accepted": self.accepted,
+            "suspects": self.suspects, "possible": self.possible, "steps": self.steps, "noise_floor": self.noise_floor,
+            "unexplained": self._unexplained_json, "model_error": self.error, "next_experiment": self.next_experiment,
+            "biased": self.biased, "differing": self.differing, "filter": self.cutoff,
+            "stopped_because": self.stopped_because, "parameters": by_name(self.fit.estimates), "forces": self.forces,
+            "left_out": self.left_out, "power": self.power, "thigh_length": self.thigh_length, "audit": self.audit,
+            "seconds": self.seconds,
+        }  # fmt: skip
+
+
+def steps_figure(
+    steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m"
+) -> Figure:
+    """Draw the falling error."""
+    unseen = [step.verify_rms for step in steps if step.verify_rms is not None]
+    fitted = np.array([step.train_rms for step in steps])
+    names = [added_said(s.label) for s in steps]
+    return falling_error(names, fitted, np.array(unseen) if unseen else None, noise_floor, joints, unit)
+
+
+def steps_table(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m") -> str:
+    """Return the falling error as an HTML table with bars, the noise floor as its last row."""
+    longest = np.max([step.evaluation_rms for step in steps], axis=0)
+
+    def cell(values: Float | None, j: int, shown: bool) -> Any:
+        value = None if values is None else float(values[j])
+        return Bar(value, value / longest[j]) if shown and value is not None and longest[j] > 0.0 else value
+
+    rows: list[tuple[Any, ...]] = []
+    for step in steps:
+        pairs = ((step.train_rms, step.verify_rms is None), (step.verify_rms, True))
+        cells = (cell(values, j, shown) for j in range(len(joints)) for values, shown in pairs)
+        rows.append((added_said(step.label), *cells))
+    rows.append(("noise floor", *np.repeat(noise_floor, 2).tolist()))
+    head = (f"RMS error [{unit}]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
+    return table(head, rows)

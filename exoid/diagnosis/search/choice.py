@@ -1,0 +1,223 @@
+"""Which candidate to add: the significant ones are compared after a refit of everything.
+
+What noise of the angles makes is no effect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from statistics import NormalDist
+
+import numpy as np
+
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import lag
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
+from exoid.diagnosis.search.containing import EXACT, contains, is_within
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.doubt import on_bound, undetermined
+from exoid.diagnosis.search.state import Extension
+from exoid.ground.ties import ascending, least_of
+
+Refined = tuple[Score, list[Columns]]
+"""A score at refined shape values, and its columns there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """The extension with the best candidate, or None; `failed` are candidates that led and did not outlive a refit."""
+
+    found: Extension | None
+    failed: frozenset[str] = frozenset()
+
+
+def choose(
+    context: SearchContext,
+    extension: Extension,
+    evidence: Evidence,
+    scores: Sequence[Score],
+    banned: frozenset[str],
+) -> Choice:
+    """Return the model with the best candidate that really helps after a full refit."""
+    failed: frozenset[str] = frozenset()
+    known: dict[str, Refined] = {}
+    while good := [s for s in scores if s.significant and s.name not in banned | failed]:
+        # That something is missing is certain, the question is what; whatever is chosen must beat its own placebos too.
+        # What does not may resemble itself when it is shifted, as what hardly varies does: it stays a look-alike.
+        rivals = [s for s in scores if s.eligible and s.name not in banned and s is not good[0]]
+        wanted = [good[0], *(s for s in rivals if s.share >= context.rules.half * good[0].share)]
+        near, alike = shortlist(context, extension, evidence, wanted, known)
+        if failed.issuperset(s.name for s in near):  # what comes near them does not come near what is left
+            rest = [s for s in wanted if s.name not in failed]
+            near, alike = shortlist(context, extension, evidence, rest, known)
+        found = refitted(context, extension, evidence, near, alike, failed)
+        chosen = next(s for s in near if s.name not in failed)
+        if found is not None and found.added is not None:
+            chosen = found.added
+            if chosen.significant or context.sure(context.tested(extension, chosen)):
+                return Choice(found, failed)
+        failed |= {chosen.name}
+    return Choice(None, failed)
+
+
+def shortlist(
+    context: SearchContext,
+    extension: Extension,
+    evidence: Evidence,
+    scores: Sequence[Score],
+    known: dict[str, Refined] | None = None,
+) -> tuple[list[Score], Collection[str]]:
+    """Refine the shape values of `scores`; return those worth a refit, best first, and the look-alikes of the best.
+
+    `known` are those refined before, and are added to.
+    """
+    known = {} if known is None else known
+    known |= {s.name: context.refined(evidence, extension, s) for s in scores if s.name not in known}
+    refined = [known[s.name] for s in scores]
+    # Of two with the same torque the plainer comes first.
+    refined = ascending(sorted(refined, key=lambda pair: _plainness(pair[0])), lambda pair: -pair[0].share, 1.0)
+    alike = look_alikes(evidence, refined[0], refined[1:])
+    least = context.rules.most * refined[0][0].share
+    return [p[0] for p in refined if p[0].name in alike or p[0].share >= least], alike
+
+
+def refitted(
+    context: SearchContext,
+    extension: Extension,
+    evidence: Evidence,
+    rivals: Sequence[Score],
+    alike: Collection[str],
+    failed: Collection[str] = (),
+) -> Extension | None:
+    """Return the extension with the best of `rivals` (best first), each compared after a refit of everything.
+
+    Linearised and on a grid they were too close to call; those in `alike` stay look-alikes unless a refit
+    distinguishes them. What has `failed` is compared, and not chosen. None where none of them helps unseen recordings,
+    or where what they gain is made by the noise of the angles, or something speaks against each (`doubt`).
+    """
+    rules, scale = context.rules, extension.fitted.scale
+    able = [s for s in rivals if s.name not in failed][: rules.refitted]
+    tried, elsewhere = _refits(context, extension, [*able, *(s for s in rivals if s.name in failed)])
+    by_joint = {score.name: found.fitted.joint_losses(scale, rules) for score, found in tried}
+    losses = {name: loss.sum(axis=0) for name, loss in by_joint.items()}
+    tried = [p for p in tried if p[0].name not in failed]
+    if not tried:
+        return None
+    least = least_of(losses.values(), np.sum)
+    behind_best = {name: lag(loss, least) for name, loss in losses.items()}
+    leading = least_of((losses[s.name] for s, _ in tried), np.sum)
+    score, found = min(
+        ((s, f) for s, f in tried if lag(losses[s.name], leading) < rules.tied),
+        key=lambda p: (*_plainness(p[0]), p[0].candidate.tangent),
+    )
+
+    def no_more(rival: Score, than: Score) -> bool:
+        """Whether a rival can be the plainer `than`, and what else it can be explains no more than by chance."""
+        known = rival.name in losses and than.name in losses
+        chance = NormalDist().inv_cdf(1.0 - rules.level)
+        tied = not known or lag(losses[than.name], losses[rival.name]) < chance
+        # With all its nodes: what was refined for each recording has its best alone.
+        return tied and contains(context, extension, evidence, context.library.find(rival.name), than)
+
+    plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0])]
+    score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
+    # Of what no motion here distinguishes the plainest is told, whichever the last digits of a refit prefer.
+    score, found = min([(score, found), *(p for p in tried if _same(p[0], score))], key=lambda p: _plainness(p[0]))
+    if not outlives_noise(context, extension, evidence, score):
+        return None
+    wanted = {*behind_best, *alike} - elsewhere
+    others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
+    own = by_joint[score.name]
+    others = [s for s in others if not leaves_joints(by_joint.get(s.name, own), own, score.candidate, rules)]
+    # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
+    # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
+    behind = {name: lag(loss, losses[score.name]) for name, loss in losses.items()}
+    more = {s.name for s in others if s.candidate.numbers > score.candidate.numbers}
+    others = [
+        s
+        for s in others
+        if not (s.name in more and (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied))
+        and not (_bends(s, score) and no_more(s, score))
+    ]
+    never = [s.name for s in others if _same(s, score)]
+    for candidate in _twins(context, extension, evidence, score, {score.name, *(s.name for s in others)}):
+        twin = context.weighed(extension, evidence, candidate)
+        lost = context.with_term(extension, twin).fitted.block_losses(scale, rules) if candidate.tangent else least
+        if not candidate.tangent or lag(lost, losses[score.name]) < rules.clear:
+            never.append(twin.name)
+    alike = dict.fromkeys([*(s.name for s in others), *never])
+    return replace(found, alike=tuple(alike), never=tuple(never))
+
+
+def _refits(
+    context: SearchContext, extension: Extension, rivals: Sequence[Score]
+) -> tuple[list[tuple[Score, Extension]], set[str]]:
+    """Return the rivals that help after a refit and are not in doubt, and the names of those that are no look-alikes.
+
+    What fits only with its shape on a bound is something else; a number that is a size alone may be merely large. And
+    what the interval of every number says may be absent explains nothing in its place.
+    """
+    rules = context.rules
+    refits = [(score, context.with_term(extension, score)) for score in rivals]
+    elsewhere = {
+        score.name
+        for score, found in refits
+        if (not score.candidate.tangent and on_bound(found.fitted, score.name, rules))
+        or undetermined(found.fitted, score.name)
+    }
+    helping = [
+        (score, found)
+        for score, found in refits
+        if (context.unseen_gain(extension, found) >= rules.least_share or extension.outvotes(found, rules))
+        and not context.doubt(extension, found)
+    ]
+    return helping, elsewhere
+
+
+def _twins(
+    context: SearchContext, extension: Extension, evidence: Evidence, score: Score, known: Collection[str]
+) -> list[Candidate]:
+    """Return the changes of the mechanism besides those `known` that make exactly the torque of `score`, on any motion.
+
+    A joint's wrong zero, weighed by its slope or refitted to the end of its range, may be refused where the mass that
+    it takes off the axis is accepted: what it refuses is its size, and only where that costs something. Of a force at
+    the cuff of a single joint all numbers but one show on no motion.
+    """
+    present = {*known, *(term.name for term in extension.fitted.model.terms)}
+    out = []
+    for candidate in context.library.candidates:
+        if candidate.term.effect.derive is None or candidate.name in present:
+            continue
+        same = contains(context, extension, evidence, candidate, score, EXACT)
+        fewer = candidate.numbers <= score.candidate.numbers
+        if same and (fewer or is_within(context, extension, evidence, candidate, score)):
+            out.append(candidate)
+    return out
+
+
+def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:
+    """Whether a candidate gains clearly more than on recordings that the present model made itself, noise added."""
+    simulated = evidence_on(context.simulated(extension), evidence)
+    needed = needed_beyond_noise(score.candidate, score.shape, evidence, simulated)
+    return score.share - needed >= context.rules.least_share
+
+
+def _plainness(score: Score) -> tuple[int, int]:
+    """Return how many numbers a candidate has, and how many of them are shape parameters: the fewer, the plainer."""
+    return score.candidate.numbers, len(score.candidate.term.effect.shape)
+
+
+def _bends(rival: Score, plain: Score) -> bool:
+    """Whether a rival has more numbers, or as many of which a shape bends its torque (a tangent is its only number)."""
+    bent = bool(rival.candidate.term.effect.coefficients) and _plainness(rival) > _plainness(plain)
+    return bent or rival.candidate.numbers > plain.candidate.numbers
+
+
+def _same(one: Score, other: Score) -> bool:
+    """Whether two candidates gain the same to rounding, on every held-out recording: no motion here differs."""
+    return bool(np.allclose(one.folds, other.folds, rtol=1e-4, atol=1e-6))

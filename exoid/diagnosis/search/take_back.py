@@ -1,0 +1,129 @@
+"""Take back: accepted terms that a curve without physics clearly beats were only the nearest thing in the catalogue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from exoid.diagnosis.evidence.columns import Columns, stacked
+from exoid.diagnosis.evidence.enough_motion import little_motion
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.proxies import BetterCurve, beaten, explained_share
+from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.evidence.suggestions import suggest
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext, as_fitted
+from exoid.diagnosis.search.state import Extension, State
+from exoid.ground.ties import ascending
+
+
+def take_back(context: SearchContext, state: State) -> State:
+    """Return the state with what is left, and without the proxies among its terms; these are banned."""
+    left = left_over(context, state.last)
+    taken = proxies(context, state, left)
+    if not taken:
+        return replace(state, left=left)
+    shorter = replace(state, banned=state.banned | taken, left=left)
+    return context.replay(shorter, [name for name in state.names if name not in shorter.banned])
+
+
+def left_over(context: SearchContext, extension: Extension) -> Remainder | None:
+    """Return what the model of `extension` leaves, if that is significant, with suggested closed forms."""
+    if little_motion(context.prepared, context.rules):  # a free curve looks as real there as any effect
+        return None
+    context.tick(0.88, "looking at what is left")
+    found = remainders(extension.fitted, context.evidence(extension))
+    rules = context.rules
+    best = next((r for r in found if significant(r, rules) and not _of_filter(r, extension, rules)), None)
+    return None if best is None else replace(best, suggestions=suggest(best))
+
+
+def _of_filter(left: Remainder, extension: Extension, rules: Rules) -> bool:
+    """Whether a curve explains no more than filter and derivatives get wrong at its joint."""
+    j = extension.fitted.model.joint_names.index(left.joint)
+    explained = np.sqrt(left.share) * extension.fitted.evaluation_rms[j]
+    return bool(explained <= rules.artefact * extension.fitted.prepared.filter_error[j])
+
+
+def proxies(context: SearchContext, state: State, left: Remainder | None) -> frozenset[str]:
+    """Return the accepted terms that a curve without physics clearly beats.
+
+    All of a joint together first: two entries may build one curve that neither would pass for. Then one by one, at
+    their own joint; and, where something is `left`, at its joint too: what nobody explains at one joint bends the
+    parameters that both share, and a term at the other joint may bend them back. With them go the candidates that
+    could only take their place: those that add little to the same curve.
+    """
+    scores = {score.name: score for score in state.accepted}
+
+    @cache
+    def without(*names: str) -> _Without:
+        return _Without.of(context, state, [scores[name] for name in names])
+
+    for joint in state.last.fitted.model.joint_names:
+        here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
+        disturbed = left is not None and left.joint == joint
+        single = [n for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
+        for one in _in_turn(without, here, single):
+            context.tick(0.9, f"comparing {' and '.join(one.names)} with a curve without physics")
+            now, several = one.extension.fitted, len(one.names) > 1
+            winner = beaten(now, one.evidence, joint, one.columns, one.numbers, several=several)
+            if winner is not None:
+                return frozenset({*one.names, *_superseded(context, one.extension, one.evidence, winner, joint)})
+    return frozenset()
+
+
+def _in_turn(without: Callable[..., _Without], here: Sequence[str], single: Sequence[str]) -> Iterator[_Without]:
+    """Yield the terms of a joint together, and then one by one: of two that imitate each other the weaker one is the
+    first that a curve beats.
+    """
+    if len(here) > 1:
+        yield without(*here)
+    yield from ascending(map(without, single), lambda one: one.share, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Without:
+    """The model without the terms `names`, the evidence against it, and these terms' columns, one node, together."""
+
+    names: tuple[str, ...]
+    extension: Extension
+    evidence: Evidence
+    columns: tuple[Columns, ...]
+    numbers: int
+
+    @classmethod
+    def of(cls, context: SearchContext, state: State, scores: Sequence[Score]) -> _Without:
+        """Take `scores` out of the last model of a state."""
+        without = context.without(state.last, scores)
+        evidence = context.evidence(without, draws=0)
+        columns = [context.columns_of(as_fitted(score, state.last), without.fitted) for score in scores]
+        numbers = sum(score.candidate.numbers for score in scores)
+        both = stacked(columns, len(evidence.sigma))
+        return cls(tuple(score.name for score in scores), without, evidence, tuple(both), numbers)
+
+    @property
+    def share(self) -> float:
+        """Share of the held-out loss that the terms explain beside the others."""
+        return explained_share(self.evidence, self.columns)
+
+
+def _superseded(
+    context: SearchContext, extension: Extension, evidence: Evidence, winner: BetterCurve, joint: str
+) -> set[str]:
+    """Return the candidates that touch `joint` and add little to the curve that won there."""
+    out = set()
+    present = {term.name for term in extension.fitted.model.terms}
+    for candidate in context.library.candidates:
+        if candidate.name in present or candidate.term.joint not in (joint, None):
+            continue
+        columns = context.library.columns(candidate, extension.fitted)
+        score = context.weighed(extension, evidence, candidate)
+        best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
+        if score.share >= context.rules.least_share and winner.supersedes(best):
+            out.add(candidate.name)
+    return out

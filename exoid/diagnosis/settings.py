@@ -1,0 +1,69 @@
+"""What `diagnose`, `discover` and a session may be told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypedDict
+
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.settings import VerbSettings, setting
+from exoid.measurement.signals.methods import BUTTERWORTH, DERIVATIVES
+
+if TYPE_CHECKING:
+    from exoid.symbolic.effect import Effect
+
+LINEARISED, ALL = "linearised", "all"
+"""Ways to repeat the decision over splits of the recordings."""
+
+
+class DiagnosisOptions(TypedDict, total=False):
+    """`DiagnosisSettings` as keywords."""
+
+    seed: int
+    cutoff: float | None
+    derivative: str
+    extra: Sequence[Effect]
+    rules: Rules
+
+
+class DiscoveryOptions(DiagnosisOptions, total=False):
+    """`DiscoverySettings` as keywords."""
+
+    most: int | None
+    splits: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DiagnosisSettings(VerbSettings):
+    """How recordings are prepared, and by which rules suspects are weighed."""
+
+    cutoff: float | None = setting(None, "Hz of the common filter; without it, chosen from the recordings")
+    derivative: str = setting(
+        BUTTERWORTH,
+        "how accelerations come from angles: butterworth, savgol, or fourier for motion that repeats, whose periods "
+        "are averaged",
+        choices=DERIVATIVES,
+    )
+    extra: Sequence[Effect] = setting(
+        (), "effects beyond the catalogue and the model's own, which are suspected anyway"
+    )
+    rules: Rules = setting(RULES, "the thresholds that decide")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DiscoverySettings(DiagnosisSettings):
+    """How far a search goes, and how its decision is repeated."""
+
+    most: int | None = setting(None, "effects that are added at most; without it, what the rules say")
+    splits: str = setting(
+        LINEARISED,
+        "repeat the decision over splits of the recordings about the models that were found, or search all of them "
+        "from scratch, which takes as many times as long",
+        choices=(LINEARISED, ALL),
+    )
+
+    def limited(self, joints: int) -> Rules:
+        """The rules for a machine of so many `joints`, with `most` in them."""
+        most = max(self.rules.most_terms, joints * self.rules.most_per_joint) if self.most is None else self.most
+        return replace(self.rules, most_terms=most)

@@ -1,0 +1,406 @@
+"""From evidence to a sentence that a technician understands, the rule behind it, and what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.evidence.enough_motion import little_motion
+from exoid.diagnosis.evidence.intermittent import ADVICE, Intermittent
+from exoid.diagnosis.evidence.model_error import ModelError, compared, model_error, sensor_noise, times_noise
+from exoid.diagnosis.evidence.own_sway import OwnSway
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.evidence.soft_drive import SoftDrive
+from exoid.diagnosis.evidence.swinging import Swing, swinging
+from exoid.diagnosis.results import Accepted, Possible
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.ties import index_of_greatest, least_of
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.fit import Fit
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.effect_catalogue import every_effect, find_effect
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
+from exoid.symbolic.term import Term
+from exoid.symbolic.wording import called, number_called, number_said, title_of
+
+if TYPE_CHECKING:
+    from exoid.diagnosis.evidence.fitted import FittedModel
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """Verdict, the rule that fired, the sentence, why it stopped, and what to measure next.
+
+    `outside` is set where the error is not the machine's: nothing else is then said of its numbers.
+    """
+
+    verdict: str
+    rule: str
+    sentence: str
+    stopped_because: str
+    next_experiment: str
+    error: ModelError | None = None
+    outside: bool = False
+
+
+def conclude(
+    accepted: Sequence[Accepted],
+    left: Remainder | None,
+    first: FittedModel,
+    last: FittedModel,
+    verified: bool,
+    recordings: int,
+    rules: Rules = RULES,
+    possible: Sequence[Possible] = (),
+    leading: Possible | None = None,
+) -> Conclusion:
+    """Return the conclusion; `first` and `last` are the models at both ends, `possible` helps and was not accepted,
+    `leading` what leads the candidates where nothing was accepted.
+    """
+    most = rules.most_terms
+    where = "on recordings never fitted" if verified else "on held-out recordings"
+    if not verified and recordings == 1:
+        where = "on held-out blocks of the only recording"
+    stopped = "one step was asked for; `exoid discover` goes on" if most == 1 else f"{most} effects are the limit"
+    if len(accepted) < most:
+        stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
+    error = model_error(last, rules)
+    swing = None if error is None else swinging(last)
+    end = _End(left, first, last, possible, leading, rules, error, swing, where, stopped)
+    advice = _advice(verified, recordings)
+    return _of_accepted(accepted, end, advice) if accepted else _of_nothing(end, advice)
+
+
+@dataclass(frozen=True, eq=False)
+class _End:
+    """Where a search ended: what is `left`, the models at both ends, what is `possible`, the `error` of the last model
+    with what `swing`s in it, `where` it was looked at, and why it `stopped`; `leading` explains most alone.
+    """
+
+    left: Remainder | None
+    first: FittedModel
+    last: FittedModel
+    possible: Sequence[Possible]
+    leading: Possible | None
+    rules: Rules
+    error: ModelError | None
+    swing: Swing | None
+    where: str
+    stopped: str
+
+    @property
+    def oscillation(self) -> str:
+        """What swings, as a sentence that follows others."""
+        return "" if self.swing is None else f" And {self.swing.sentence}"
+
+    @property
+    def nearest(self) -> str:
+        """What comes nearest of what was not accepted, as a sentence that follows others."""
+        told = {} if self.leading is None else {self.leading.name: self.leading}
+        best = _nearest(self.possible, self.rules)
+        if best is not None:
+            told[best.name] = best
+        return "".join(
+            f" {'Also near' if k else 'Nearest in the catalogue'}: {called(one.name, self.find)}, "
+            f"{100 * one.explained_share:.0f} % of the error; {one.reason}."
+            for k, one in enumerate(told.values())
+        )
+
+    @property
+    def find(self) -> Callable[[str], Effect]:
+        """What finds an effect by its id, the user's own among them."""
+        return self.last.model.find_effect
+
+
+def _of_nothing(end: _End, advice: str) -> Conclusion:
+    """Return the conclusion where nothing was accepted."""
+    left, error, swing, where = end.left, end.error, end.swing, end.where
+    if left is not None:
+        return Conclusion(
+            "unexplained",
+            f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
+            f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
+            + end.oscillation
+            + end.nearest,
+            end.stopped,
+            swing.advice
+            if swing is not None
+            else "repeat slow motion through that range with and without load, then write the effect as "
+            "[[custom_effects]] (a suggestion is in the report) and test it with `exoid add`",
+            error,
+        )
+    if error is not None:
+        return Conclusion(
+            "unexplained",
+            f"the error {where} is {error.beside}, and no catalogue entry or smooth curve that can "
+            "be accepted lowers it",
+            f"The model is not as good as the sensors: {error.sentence}.{end.oscillation}{end.nearest}",
+            end.stopped,
+            error.advice if swing is None else swing.advice,
+            error,
+        )
+    early = next((one for one in end.possible if one.early), None)
+    if early is not None:
+        return _early(early, end.first, where, end.stopped)
+    only = _on_fitted_motion_only(end.last, end.possible, end.rules)
+    if only:
+        return Conclusion(
+            "unexplained",
+            f"the error {where} is near the noise, that on fitted ones is not, and an entry explains part of it there",
+            f"Something is missing that the recordings held out do not show: {only}.{end.nearest}",
+            end.stopped,
+            "hold out a recording that shows it too, or more recordings of that motion: what is met in no recording "
+            "held out cannot be verified",
+            error,
+        )
+    short = little_motion(end.last.prepared, end.rules)
+    return Conclusion(
+        "adequate",
+        f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
+        f"{compared(end.last.prepared, _times(end.last), 'noise floor')}",
+        "The model explains these recordings; nothing is missing that can be distinguished from noise."
+        + (f" They could not show much: {short}.{end.nearest}" if short else ""),
+        end.stopped,
+        advice,
+    )
+
+
+def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclusion:
+    """Return the conclusion where something was accepted."""
+    left, error, where = end.left, end.error, end.where
+    if error is not None and left is None:
+        advice = error.advice
+    alike = [a for a in accepted if a.look_alikes]
+    names = " and ".join(called(a.name, end.find) for a in accepted)
+    falls = _falls(end.first, end.last)
+    text = f"Missing: {'; '.join(a.sentence for a in accepted)}. {falls}"
+    if left is not None:
+        text += f" Still unexplained: {left.sentence}{_size(error)}."
+    elif error is not None:
+        text += f" Beyond that, {error.sentence}."
+    text += end.oscillation
+    if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
+        named = {term.name: term.effect for term in end.last.model.terms}
+        names = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
+        text += f" What a held-out recording has to itself ({names}) was found in one half and judged on the other."
+    losing = [a for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)]
+    if lost := " and ".join(called(a.name, end.find) for a in losing):
+        text += f" The recordings held out here lose a little by {lost}; in nearly all other splits they gain by it."
+        where = "in nearly all splits of the recordings, though not on those held out here"
+    rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
+    if alike:
+        texts = [f"{called(a.name, end.find)} from {_list(a.look_alikes, end.find)}" for a in alike]
+        rule += f"; these data cannot distinguish {'; '.join(texts)}"
+        advice = _deciding(alike, end.find) or advice
+        which = f" These recordings cannot distinguish {'; '.join(texts)}; the others they can."
+        text += which if len(alike) < len(accepted) else " Which of the look-alikes it is, these recordings cannot say."
+    # What is ambiguous of several effects is told of that one; the others are missing for certain.
+    verdict = "ambiguous" if len(alike) == len(accepted) else "missing"
+    return Conclusion(verdict, rule, text, end.stopped, advice, error)
+
+
+def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rules: Rules) -> str:
+    """Return that the error is far above the noise on fitted motion alone, where an entry explains part; "" if not."""
+    floor = np.maximum(sensor_noise(last.prepared), 1e-6)
+    times = last.train_rms / floor
+    j = index_of_greatest(times)
+    told = max((one.explained_share for one in possible), default=0.0) >= rules.worth_telling
+    unseen = last.evaluation_rms[j] > rules.near_noise * floor[j]
+    if not last.verified or not told or unseen or times[j] <= rules.near_noise:
+        return ""
+    names = [name for name, rms in last.per_recording if rms[j] > rules.near_noise * floor[j]]
+    unit = last.model.joints[j].unit("tau")
+    return (
+        f"the {last.model.joint_names[j]} keeps {last.train_rms[j]:.3g} {unit} on fitted motion ({', '.join(names)}), "
+        f"{times[j]:.2g} times the noise, and {last.evaluation_rms[j]:.3g} {unit} on unseen motion"
+    )
+
+
+def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Conclusion:
+    """Return the conclusion where the only thing that helps is a torque that comes before its motion."""
+    name = called(early.name, first.model.find_effect)
+    return Conclusion(
+        "unexplained",
+        f"{name} lowers the error {where} more than its placebos do, but {early.reason}",
+        f"Something is missing that the catalogue does not describe; the error is "
+        f"{compared(first.prepared, _times(first), 'noise floor')}. "
+        f"Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
+        stopped,
+        "a link that swings behind a compliant drive looks so: measure its angle behind the drive, or clamp the "
+        "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
+        "knock against the leg",
+    )
+
+
+def doubted(doubt: Doubt) -> Conclusion:
+    """Return the conclusion where the channels cannot be what they say."""
+    stopped = "no effect is named on top of channels that cannot be what they say"
+    return Conclusion("check_channels", doubt.rule, f"Check the channels. {doubt.sentence}", stopped, doubt.remedy)
+
+
+def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
+    """Return the conclusion where a drive is too soft for its encoder to say where the link is."""
+    falls = _told_falls(soft.before, soft.after, joints)
+    whose, unsure = f"the encoder of the {soft.joint}", ""
+    if not soft.sure:
+        whose = "an encoder"
+        unsure = f" Which drive it is, is not sure: where only that of the {soft.joint} gave way, less would be left."
+    return Conclusion(
+        "unexplained",
+        f"a soft drive, its twist found from the measured torque, leaves {100 * soft.share:.0f} % of the squared error "
+        "beyond the noise that all accepted entries together leave",
+        f"The link does not stand where {whose} says: the torques fit a drive of the {soft.joint} of about "
+        f"{1.0 / soft.compliance:.2g} {soft.stiffness} with its encoder at the motor ({falls}). The link swings behind "
+        f"it at about {soft.hertz:.2g} Hz, and no model of the encoder's motion alone predicts that: nothing is "
+        f"accepted. Nearest in the catalogue: {soft.name}, c about {soft.compliance:.2g} {soft.unit}.{unsure}",
+        "what is accepted in place of a soft drive would only take up part of it",
+        f"measure the angle of the {soft.joint} behind its drive; to make sure, clamp the link and load the drive: "
+        f"{soft.name} is the angle at the encoder per torque" + ("" if soft.sure else "; then the other drives"),
+    )
+
+
+def swayed(sway: OwnSway, answer: Conclusion, joints: Sequence[Joint]) -> Conclusion:
+    """Return `answer` where what is missing is a base that oscillates, each time with another phase."""
+    falls = _told_falls(sway.before, sway.after, joints)
+    return replace(
+        answer,
+        verdict="unexplained",
+        rule=f"a sway of the base, each half of a recording by the other, explains {100 * sway.share:.0f} % of what is "
+        "left",
+        sentence=f"The base oscillates {sway.words} ({falls}). No model of the motion alone can predict "
+        "that: nothing is accepted. Nearest in the catalogue: base_motion, which has one amplitude for all recordings.",
+        next_experiment=sway.advice,
+    )
+
+
+def pushed(outside: Intermittent, joints: Sequence[Joint]) -> Conclusion:
+    """Return the conclusion where something that was not measured pushes the machine in part of the time."""
+    return Conclusion(
+        "unexplained",
+        f"fitted to the other {100 * (1.0 - outside.share):.0f} % of the time alone, the model leaves little there, "
+        f"and what is left otherwise comes and goes in every recording, {outside.likeness}",
+        outside.sentence(joints),
+        "no effect, sign, convention or delay is looked for in a torque that comes from outside the machine",
+        ADVICE,
+        outside=True,
+    )
+
+
+def within_filter_error(base: FittedModel) -> Conclusion:
+    """Return the conclusion where a model leaves no more than filter and derivatives get wrong."""
+    errors = ", ".join(
+        f"{joint.name} {1e3 * e:.2g} of {1e3 * f:.2g} m{joint.unit('tau')}"
+        for joint, e, f in zip(base.model.joints, base.evaluation_rms, base.prepared.filter_error, strict=True)
+    )
+    return Conclusion(
+        "adequate",
+        f"the error is what filter and derivatives get wrong by themselves ({errors})",
+        "The model explains these recordings as exactly as angles can be filtered and differentiated.",
+        "what is left is the error of the filter, of which nothing can be learnt",
+        "",
+    )
+
+
+def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
+    """Return which entry of the catalogue comes nearest to what is left and was not accepted; None for none."""
+    if not possible:
+        return None
+    best = least_of(possible, lambda one: -one.explained_share, 1.0)
+    return best if best.explained_share >= rules.worth_telling else None
+
+
+def _size(error: ModelError | None) -> str:
+    """Return how much is left beside the structure that was found, in words."""
+    return "" if error is None else f"; the error of the {error.joint} is {error.beside}"
+
+
+def _times(last: FittedModel) -> float:
+    """Return how many times the noise floor the error is, at the worse joint."""
+    return float(times_noise(last).max(initial=0.0))
+
+
+def check_channels(misread: Sequence[Finding]) -> Conclusion:
+    """Return the conclusion where physics says that the recordings keep another convention than exoid's."""
+    return Conclusion(
+        "check_channels",
+        "another reading of the channels explains the torques far better than the one they were given in",
+        "The channels cannot be what they say. " + " ".join(f"{f.where}: {f.what}." for f in misread),
+        "no effect is looked for in recordings whose channels are in doubt",
+        "nothing yet; first " + "; ".join(dict.fromkeys(f.remedy.removeprefix("if so, ") for f in misread)),
+    )
+
+
+def _advice(verified: bool, recordings: int) -> str:
+    if recordings == 1 and not verified:
+        return "record at least two more motions: with one recording nothing is tested on a motion of its own"
+    if not verified:
+        return "hold one recording out with --verify: no step of the search then sees it"
+    return ""
+
+
+def _list(names: Sequence[str], find: Callable[[str], Effect]) -> str:
+    return ", ".join(called(name, find) for name in names)
+
+
+def _deciding(alike: Sequence[Accepted], find: Callable[[str], Effect] = find_effect) -> str:
+    """Return the experiments that distinguish look-alikes, from the catalogue; and say where none can."""
+    parts = []
+    for one in alike:
+        if one.never_separable:
+            others = _list(one.never_separable, find)
+            parts.append(f"no motion can distinguish {called(one.name, find)} from {others}: inspect the hardware")
+        apart = [name for name in one.look_alikes if name not in (*one.never_separable, *one.outside)]
+        if apart:
+            parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")
+        known = every_effect().get(one.effect)
+        if known is not None and known.tells_apart:
+            parts.append(known.tells_apart)
+    return "; ".join(dict.fromkeys(parts))
+
+
+def _falls(first: FittedModel, last: FittedModel) -> str:
+    kind = "unseen" if first.verified else "fitted"
+    return f"Error on {kind} motion: {_told_falls(first.evaluation_rms, last.evaluation_rms, last.model.joints)}."
+
+
+def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
+    falls = zip(joints, before, after, strict=True)
+    return ", ".join(f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}" for joint, b, a in falls)
+
+
+def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:
+    """Return e.g. "Stribeck friction at the knee (extra friction at creeping speed 2.2 ± 0.1 N·m, ...)"."""
+    parts = []
+    own = {n for n, s in term.placed_shape.items() if s.per_recording and (s.turns or s.spacing == "position")}
+    for name, e in numbers.items():
+        if name in own:
+            what = number_called(term.effect, name)
+            parts.append(f"{what} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
+            continue
+        half = 0.5 * (e.high - e.low)
+        known = half if np.isfinite(half) and half > 0.0 else None
+        parts.append(number_said(term.effect, name, e.value, e.unit, known))
+    return f"{title_of(term.effect, term.joint)} ({', '.join(parts)})"
+
+
+def biased_parameters(before: Fit, after: Fit) -> tuple[str, ...]:
+    """Return, in words, which old parameters the missing effects had pulled off, and what became plausible."""
+    new = {e.name: e for e in after.estimates}
+    labels = {parameter.name: parameter.label for parameter in before.model.parameters}
+    out = []
+    for old in before.estimates:
+        now = new.get(old.name)
+        if now is None or not np.isfinite([now.low, now.high]).all() or now.low <= old.value <= now.high:
+            continue
+        text = f"{labels.get(old.name) or old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip()
+        friction = old.name.startswith(("coulomb", "viscous"))
+        if friction and old.value < 0.0 <= now.value:
+            text += " (a friction that was negative, which is impossible, has become positive)"
+        out.append(text)
+    return tuple(out)

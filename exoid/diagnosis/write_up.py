@@ -1,0 +1,207 @@
+"""What a search found, written down as a Diagnosis."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import TypeVar
+
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.consistency import differing
+from exoid.diagnosis.evidence.enough_motion import little_motion
+from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
+from exoid.diagnosis.evidence.own_sway import OwnSway
+from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.evidence.score import Score, share_of_own_joints
+from exoid.diagnosis.evidence.soft_drive import SoftDrive
+from exoid.diagnosis.evidence.stretches import searched
+from exoid.diagnosis.outside import force_uses
+from exoid.diagnosis.question import Searched, steps_of
+from exoid.diagnosis.readings import is_reading
+from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Suspect
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.state import Extension
+from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
+from exoid.ground.ties import ascending
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.optimisation.preparation.smoothed import ANGLES, FILTERED, TORQUES
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
+
+Ranked = TypeVar("Ranked")
+
+
+def possible_beside(
+    soft: SoftDrive, accepted: Sequence[Accepted], possible: Sequence[Possible], rules: Rules
+) -> tuple[Possible, ...]:
+    """Return what is possible where a drive too soft for its encoder explains more than all that was accepted."""
+    reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
+    given_up = [
+        Possible(one.effect, one.joint, one.agreement, one.parameters, one.fall, reason)
+        for one in accepted
+        if one.fall >= rules.least_share
+    ]
+    names = {one.name for one in accepted}
+    both = [*given_up, *(one for one in possible if one.name not in names)]
+    return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
+
+
+def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
+    """Return what is possible, with the sway in the place of one of the same size in all recordings."""
+    reason = f"the base oscillates {sway.words}: no model of the motion alone can predict that"
+    found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
+    both = [found, *(one for one in possible if one.effect != SWAY)]
+    return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
+
+
+def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
+    """Return the estimates of a term under their names without that of the term."""
+    prefix = f"{name}."
+    return {e.name.removeprefix(prefix): e for e in fit.estimates if e.name.startswith(prefix)}
+
+
+def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[Accepted, ...]:
+    """Return the effects that were added, with their numbers in the last model."""
+    last = extensions[-1]
+    times = times_noise(last.fitted)
+    accepted = []
+    for before, extension in pairwise(extensions):
+        score = extension.added
+        assert score is not None
+        term = next(one for one in last.fitted.model.terms if one.name == score.name)
+        numbers = estimates_in(last.fitted.fit, term.name)
+        accepted.append(
+            Accepted(
+                effect=term.effect.id,
+                joint=term.joint,
+                parameters=numbers,
+                look_alikes=extension.alike,
+                never_separable=extension.never,
+                p_value=float(score.p_value or 1.0),
+                rms_before=before.fitted.evaluation_rms,
+                rms_after=extension.fitted.evaluation_rms,
+                sentence=sentence_of(term, numbers),
+                left=float(times[list(score.candidate.joints)].max()),
+                share=before.explained(extension, rules),
+            )
+        )
+    return tuple(accepted)
+
+
+def write_up(
+    done: Searched,
+    extensions: Sequence[Extension],
+    accepted: tuple[Accepted, ...],
+    left: Remainder | None,
+    possible: tuple[Possible, ...],
+    conclusion: Conclusion,
+    began: float,
+    leading: Possible | None = None,
+) -> Diagnosis:
+    """Return the answer to a question, with everything that it rests on; `leading` says why what leads the suspects was
+    not accepted.
+    """
+    prepared, last = done.prepared, extensions[-1]
+    first = () if conclusion.verdict == "check_channels" else done.found.first
+    first = tuple(score for score in first if not is_reading(score.name))
+    steps = steps_of(extensions, [one.sentence for one in accepted])
+    named = {a.name: a for a in accepted}
+    silent = conclusion.verdict == "check_channels" or conclusion.outside  # what is compared is not the machine's
+    told_apart = () if silent else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
+    told = conclusion.outside or any(map(is_reading, done.found.state.names))  # the answer says more than the audit can
+    length = None if told else wanted_thigh_length(last.fitted.fit, prepared)
+    power = _power(done) if conclusion.verdict == "adequate" else ()
+    said = power_said(power, last.fitted.model.find_effect)
+    before = steps[0].evaluation_rms
+    suspects = [_suspect(s, named, before, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution]
+    if leading is not None:
+        suspects = [replace(s, caution=leading.reason) if s.name == leading.name else s for s in suspects]
+    return Diagnosis(
+        verdict=conclusion.verdict,
+        rule=conclusion.rule,
+        sentence=" ".join(filter(None, (conclusion.sentence, said, "" if silent else _reserve(prepared)))),
+        accepted=accepted,
+        suspects=tuple(best_first(suspects, lambda one: one.sureness, lambda one: one.explained_share)),
+        steps=steps,
+        noise_floor=prepared.noise_floor,
+        unexplained=left,
+        unexplained_significant=left is not None,
+        audit=(
+            *prepared.findings,
+            *searched(prepared, done.context.prepared),
+            *_short(prepared, done.context.rules),
+            *(() if length is None else (length.finding(),)),
+        ),
+        thigh_length=length,
+        seconds=time.perf_counter() - began,
+        next_experiment=conclusion.next_experiment,
+        model=last.fitted.model,
+        fit=last.fitted.fit,
+        cutoff=prepared.choice.reason,
+        stopped_because=conclusion.stopped_because,
+        biased=biased_parameters(extensions[0].fitted.fit, last.fitted.fit),
+        differing=told_apart,
+        error=conclusion.error,
+        possible=possible,
+        rules=done.context.rules,
+        given=done.base,
+        forces=force_uses(last.fitted),
+        power=power,
+    )
+
+
+def _reserve(prepared: Prepared) -> str:
+    """Return with which reserve an answer is given where angles or torques were filtered before they were stored."""
+    told = [one for one in prepared.findings if one.check in (FILTERED, ANGLES, TORQUES)]
+    return "".join(f"With one reserve: {one.what}; if they were filtered, {one.consequence}." for one in told[:1])
+
+
+def _power(done: Searched) -> tuple[Power, ...]:
+    """Return what the recordings that were searched would have shown beside the last model."""
+    context, last = done.context, done.found.state.last
+    evidence = context.evidence(last, DRAWS)
+    return power_of(last.fitted, evidence, context.library, context.simulated(last))
+
+
+def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
+    """Return that the recordings are too short for anything to be accepted; nothing where they are not."""
+    text = little_motion(prepared, rules)
+    if not text:
+        return ()
+    seconds = rules.least_periods / prepared.choice.cutoff
+    remedy = (
+        f"record at least {seconds:.3g} s of motion to fit, in two recordings or more, in which every joint turns back "
+        f"at least {rules.least_strokes} times"
+    )
+    return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, seconds, remedy),)
+
+
+def best_first(
+    suspects: Iterable[Ranked], word: Callable[[Ranked], str], share: Callable[[Ranked], float]
+) -> list[Ranked]:
+    """Return suspects in the order in which a person reads them: what an answer has a `word` for first, then the larger
+    shares.
+    """
+    ordered = ascending(suspects, lambda one: -share(one), 1.0)
+    return sorted(ordered, key=lambda one: not word(one))
+
+
+def _suspect(score: Score, accepted: dict[str, Accepted], before: Float, noise_floor: Float) -> Suspect:
+    """Return a suspect with its share of the error of its own joints, which noise bounds.
+
+    Of one that was added it is what the refit found at its step, on the motion that the steps show.
+    """
+    term, mine = score.candidate.term, accepted.get(score.name)
+    if mine is not None:
+        return Suspect(
+            term.effect.id, term.joint, mine.share, score.p_value, mine.look_alikes, score.caution, mine.sureness
+        )
+    share = share_of_own_joints(score, before, noise_floor)
+    return Suspect(term.effect.id, term.joint, share, score.p_value, (), score.caution, "")
