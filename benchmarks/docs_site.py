@@ -73,7 +73,7 @@ def reference() -> str:
             continue
         module = importlib.import_module(one.__module__)
         groups.setdefault(one.__module__.split(".")[1], []).append(f"::: {module.__name__}.{one.__qualname__}")
-    for package in ("diagnosis", "optimisation", "measurement", "symbolic", "ground"):
+    for package in ("diagnosis", "optimisation", "measurement", "symbolic", "apps", "ground"):
         about = (importlib.import_module(f"exoid.{package}").__doc__ or "").strip().splitlines()[:1]
         lines += ["", f"## {package}", "", *about, "", "\n\n".join(groups.get(package, []))]
     return "\n".join(lines) + "\n"

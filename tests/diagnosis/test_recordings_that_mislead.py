@@ -7,7 +7,7 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.measurement.signals.conditioning import low_pass
-from exoid.optimisation.preparation.clocks import CLOCKS
+from exoid.optimisation.preparation.clocks import CLOCKS, ClockRate, _is_apart
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.optimisation.preparation.smoothed import ANGLES, FILTERED, TORQUES
 from exoid.symbolic import Model
@@ -88,3 +88,29 @@ def test_noise_of_filtered_torques_is_no_measure():
     assert checks(given, TORQUES) and not checks(runs(), TORQUES)
     answer = discover(Model(), given[:3], given[3:])
     assert "times the noise" not in answer.sentence + answer.rule and "filtered before" in answer.sentence
+
+
+@pytest.mark.shows("clocks.CHANCE", "clocks.APART", "clocks.SHARE")
+@pytest.mark.parametrize(
+    ("rate", "error", "share", "said"),
+    [(1e-3, 1e-4, 0.1, True), (1e-3, 2.5e-4, 0.1, False), (1e-4, 1e-6, 0.1, False), (1e-3, 1e-4, 0.01, False)],
+)
+def test_clocks_differ_where_it_is_no_chance_large_enough_and_explains_something(rate, error, share, said):
+    assert _is_apart(ClockRate("run", rate, error, share, seconds=30.0), recordings=1) is said
+
+
+@pytest.mark.shows("smoothed.ENCODER")
+@pytest.mark.parametrize(("noise", "said"), [(1e-7, True), (2e-6, False)])
+def test_less_noise_than_that_of_a_good_encoder_is_said(noise, said):
+    given = [recording(k, noise=0.05, angle_noise=noise) for k in range(2)]
+    found = {one.check for one in prepare(Model(), given).findings}
+    assert bool(found & {ANGLES, FILTERED}) is said
+
+
+@pytest.mark.shows("smoothed.SENSOR", "smoothed.NOISY")
+@pytest.mark.parametrize(("noise", "of_torques", "of_angles"), [(1e-6, True, ANGLES), (3e-3, False, ANGLES),
+                                                               (0.3, False, FILTERED)])  # fmt: skip
+def test_torques_without_noise_are_said_and_angles_beside_noisy_torques_were_filtered(noise, of_torques, of_angles):
+    given = [recording(k, noise=noise, angle_noise=1e-8) for k in range(2)]
+    found = {one.check for one in prepare(Model(), given).findings}
+    assert (TORQUES in found) is of_torques and of_angles in found

@@ -142,8 +142,7 @@ def test_a_soft_drive_among_several_effects_need_not_explain_more_than_all(left,
     """One soft drive alone leaves this part of what all accepted effects leave; it is one of them, or the only one."""
     names = [f"{soft_drive.ENTRY}:hip", *(["stribeck:hip"] if others else [])]
     none = SimpleNamespace(terms=[], joints=[None])
-    long = SimpleNamespace(train=[SimpleNamespace(t=np.array([0.0, 60.0]))])
-    base = SimpleNamespace(model=none, prepared=long, evaluation_rms=np.full(1, 9.0))
+    base = SimpleNamespace(model=none, prepared=None, evaluation_rms=np.full(1, 9.0))
     last = SimpleNamespace(
         model=SimpleNamespace(terms=[SimpleNamespace(name=n) for n in names], joints=[None]),
         evaluation_rms=np.ones(1), train_rms=np.ones(1),
@@ -151,5 +150,6 @@ def test_a_soft_drive_among_several_effects_need_not_explain_more_than_all(left,
     rest = np.full(1, np.sqrt(left))
     best = soft_drive.SoftDrive("hip", 0.01, "rad/(N·m)", "N·m/rad", 3.0, np.ones(1), rest, np.ones(1, bool), rest)
     monkeypatch.setattr(soft_drive, "swinging", lambda fitted: None)
+    monkeypatch.setattr(soft_drive, "little_motion", lambda prepared, rules: "")
     monkeypatch.setattr(soft_drive, "_best", lambda fitted, joint: best if fitted is base else None)
     assert (soft_drive.soft_drive(base, last, np.full(1, 0.1)) is not None) is found

@@ -228,7 +228,7 @@ def test_a_wrong_zero_at_the_end_of_its_range_stays_the_look_alike_of_a_mass_off
 
 
 def test_a_mass_too_far_off_axis_for_any_wrong_zero_is_no_look_alike_of_one():
-    context = search({"com_offset_shank": ([0.6], [])}, ["encoder_offset_knee", "com_offset_shank"])
+    context = search({"com_offset_shank": ([2.0], [])}, ["encoder_offset_knee", "com_offset_shank"])
     found = forward(context, state_with(context))
     assert (found.names, found.last.alike) == (("com_offset_shank",), ())
 

@@ -67,7 +67,7 @@ def addition(stand_in, monkeypatch, tmp_path):
 
 
 def test_compare_shows_size_and_place(stand_in, capsys):
-    stand_in("compare", "compare", FakeComparison())
+    stand_in("comparison", "compare", FakeComparison())
     assert main(["compare", TRAIN, "--verify", VERIFY]) == 0
     out = capsys.readouterr().out
     assert "0.58" in out
@@ -76,7 +76,7 @@ def test_compare_shows_size_and_place(stand_in, capsys):
 
 @pytest.mark.parametrize(("limit", "status"), [("0.8", 0), ("0.8,0.5", 1), ("0.1", 1)])
 def test_a_limit_that_is_not_met_ends_with_1(limit, status, stand_in, capsys):
-    stand_in("compare", "compare", FakeComparison())
+    stand_in("comparison", "compare", FakeComparison())
     assert main(["compare", TRAIN, "--verify", VERIFY, "--limit", limit]) == status
 
 
@@ -87,7 +87,7 @@ def test_an_error_that_is_not_a_number_meets_no_limit():
 
 @pytest.mark.parametrize("verb", ["diagnose", "discover"])
 def test_json_alone_on_standard_output(verb, stand_in, capsys):
-    calls = stand_in("discover", verb, FakeDiagnosis())
+    calls = stand_in("discovery", verb, FakeDiagnosis())
     assert main([verb, TRAIN, "--verify", VERIFY, "--seed", "5", "--json", "-"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     assert found["schema"] == "exoid.discovery/1"
@@ -96,8 +96,8 @@ def test_json_alone_on_standard_output(verb, stand_in, capsys):
 
 
 def test_json_file_report_and_table_together(stand_in, tmp_path, capsys):
-    stand_in("discover", "discover", FakeDiagnosis())
-    stand_in("compare", "compare_prepared", FakeComparison())
+    stand_in("discovery", "discover", FakeDiagnosis())
+    stand_in("comparison", "compare_prepared", FakeComparison())
     arguments = ["--out", str(tmp_path / "r"), "--json", str(tmp_path / "x.json")]
     assert main(["discover", TRAIN, "--verify", VERIFY, *arguments]) == 0
     out = capsys.readouterr().out
@@ -110,7 +110,7 @@ def test_json_file_report_and_table_together(stand_in, tmp_path, capsys):
 
 
 def test_quiet_says_nothing(stand_in, capsys):
-    stand_in("discover", "diagnose", FakeDiagnosis())
+    stand_in("discovery", "diagnose", FakeDiagnosis())
     assert main(["diagnose", TRAIN, "--quiet"]) == 0
     assert capsys.readouterr().out == ""
 
@@ -142,8 +142,8 @@ def test_add_never_overwrites_the_model_it_comes_from(tmp_path, monkeypatch, cap
 
 def test_demo_opens_the_seal_and_writes_the_report(stand_in, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    stand_in("discover", "discover", FakeDiagnosis())
-    stand_in("compare", "compare_prepared", FakeComparison())
+    stand_in("discovery", "discover", FakeDiagnosis())
+    stand_in("comparison", "compare_prepared", FakeComparison())
     control = SimpleNamespace(sentence="It follows better.", to_json=dict, figures=list)
     monkeypatch.setattr("exoid.workbench.commands.demo._control", lambda *_: control)
     assert main(["demo"]) == 0
@@ -196,7 +196,7 @@ def test_generate_prints_the_equations_and_writes_no_code(tmp_path, monkeypatch,
     assert main(["generate", "--print", "--as", "latex", "--out", "equations", "--json", "-"]) == 0
     written = (tmp_path / "equations" / "equations_latex.tex").read_text("utf-8")
     found = json.loads(capsys.readouterr().out)
-    assert found["text"] == written and r"\ddot{\theta}_{1}" in written
+    assert written == "% Written by exoid.\n" + found["text"] and r"\ddot{\theta}_{1}" in written
     assert found["parameters"]["Phi3"] == {"unit": "kg·m²", "meaning": "a_th*l_sh*m_sh"}
     assert [path.name for path in tmp_path.iterdir()] == ["equations"]
 

@@ -7,10 +7,10 @@ import uuid
 
 import pytest
 from playwright.sync_api import expect
-from tests.page.test_story import number, wait_ready
 
 from exoid.apps.page.saved import is_session
 from exoid.workbench.commands.demo import DATA
+from tests.apps.page.test_story import number, wait_ready
 
 pytestmark = pytest.mark.slow  # a browser, and fits behind it
 

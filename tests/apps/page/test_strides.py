@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 from playwright.sync_api import expect
-from tests.page.test_story import wait_ready
 
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.bench.walk import Walk
 from exoid.measurement.recording import write_recording
 from exoid.workbench.commands.demo import DATA
+from tests.apps.page.test_story import wait_ready
 
 pytestmark = pytest.mark.slow  # a browser, and fits behind it
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from playwright.sync_api import expect
-from tests.page.test_story import wait_ready
 
 from exoid.measurement.bench.hidden import true_model
 from exoid.measurement.bench.leg import standard_leg
@@ -13,6 +12,7 @@ from exoid.measurement.trajectories.trajectory import random_trajectory
 from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.model import Model
 from exoid.workbench.commands.demo import DATA
+from tests.apps.page.test_story import wait_ready
 
 pytestmark = pytest.mark.slow  # a browser, and fits behind it
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.python_updater import Updater
+from exoid.apps.simulators.export import fmu
 from exoid.apps.simulators.fmu import VERSIONS, fmu_bytes
 from exoid.apps.watch.front import CUTOFF
 from exoid.apps.watch.updater import residual_scale
@@ -20,7 +21,7 @@ from exoid.symbolic.model import Model
 from exoid.symbolic.model_file import Numbers
 from exoid.symbolic.motion import Motion
 from exoid.workbench.command import main
-from exoid.workbench.export import c, fmu
+from exoid.workbench.export import c
 from exoid.workbench.identified import ExportError, Options, ready
 from tests.workbench.test_export import expected, motion, run_c, variant
 

@@ -13,11 +13,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from exoid.apps.simulators.export import ros2
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.model_file import Numbers
 from exoid.symbolic.motion import Motion
-from exoid.workbench.export import ros2, urdf
+from exoid.workbench.export import urdf
 from exoid.workbench.identified import ExportError, Options, ready
 from tests.workbench.test_export import expected, variant
 from tests.workbench.test_export_machines import MACHINES, numbers

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.encoding import is_closed
 
 if TYPE_CHECKING:
     from exoid.apps.watch.live import LineNote, Lines
@@ -43,7 +44,7 @@ def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[F
         return Lines(model.joints, told, where, model.channels)
 
     if args.source == PIPE:
-        if sys.stdin is None:
+        if sys.stdin is None or is_closed(sys.stdin):
             raise UsageError("standard input is closed", remedy="pipe samples into it, or name a file")
         yield from _lines(lines("standard input"), watcher, piped(sys.stdin.buffer))
         return

@@ -1,0 +1,1 @@
+"""Tests of apps, and of the whole product."""
