@@ -30,8 +30,9 @@ def drive(k, *, quadratic=0.0, numbers=NUMBERS, noise=0.05):
         sine, cosine = np.sin(pace * t + phase), np.cos(pace * t + phase)
         parts[:, :, 0] += size * np.array([sine, pace * cosine, -(pace**2) * sine])
     tau = WITH.torque(Motion(t, *parts), np.array([*numbers, quadratic]), None)
-    seen = tau + noise * np.random.default_rng(k).standard_normal(tau.shape)
-    return Recording(f"run_{k}", t, parts[0], seen, joints=AXIS.joints)
+    rng = np.random.default_rng(k)
+    seen = tau + noise * rng.standard_normal(tau.shape)
+    return Recording(f"run_{k}", t, parts[0] + 1e-5 * rng.standard_normal(tau.shape), seen, joints=AXIS.joints)
 
 
 def stuck(one):

@@ -33,7 +33,9 @@ def smoothed_findings(
     moves = np.min([np.ptp(one.q, axis=0) for one in even], axis=0) > 1e-3 * reach
     angles = np.max([np.sqrt(0.5 * one.rate * noise_density(one)) for one in even], axis=0)
     pulls = np.min([one.span for one in even], axis=0) > 0.0
-    torques = np.max([quiet_noise(one.tau, one.rate, 0.5 * one.rate, one.torque_gap | one.gap[:, None]) for one in even], axis=0)
+    bridged = [one.torque_gap | one.gap[:, None] for one in even]
+    each = [quiet_noise(one.tau, one.rate, 0.5 * one.rate, gap) for one, gap in zip(even, bridged, strict=True)]
+    torques = np.max(each, axis=0)
     span = np.max([one.span for one in even], axis=0)
     where = names[0] if len(names) == 1 else "all recordings"
     of_angles = FILTERED if np.any(pulls & (torques > NOISY * span)) else ANGLES
