@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from exoid.apps.watch.events import Event, clock
-from exoid.apps.watch.front import LONGEST_HOLE
+from exoid.apps.watch.front import LONGEST_HOLE, STEPPED_BACK
 from exoid.ground.errors import RecordingError
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.reading.limits import FASTEST, LASTING, credible
@@ -101,7 +101,7 @@ class Gate:
         rows = samples if self.last is None else np.concatenate([self.last[None], samples])
         step = np.diff(rows[:, : 1 + self.joints], axis=0)
         later = step[step[:, 0] > 0.0]
-        near = np.abs(step[:, 0]) <= LONGEST_HOLE
+        near = (step[:, 0] <= LONGEST_HOLE) & (step[:, 0] >= -STEPPED_BACK)
         return bool(near.all() and (np.abs(later[:, 1:]) <= FASTEST * later[:, :1]).all())
 
     def _one_by_one(self, samples: Float, sure: np.ndarray) -> Float:
@@ -116,7 +116,7 @@ class Gate:
                 continue
             last = self.last
             step = 0.0 if last is None else float(row[0] - last[0])
-            if last is not None and abs(step) > LONGEST_HOLE:
+            if last is not None and not -STEPPED_BACK <= step <= LONGEST_HOLE:
                 self._jumped(row, passed)
                 continue
             self._drop()  # the clock goes on as before: those stamps were wrong

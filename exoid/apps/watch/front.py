@@ -50,6 +50,10 @@ LONGEST_HOLE = Threshold(
     1.0,
     "s of missing samples after which the filters start anew: motion invented across the hole",
 )
+STEPPED_BACK = Threshold(
+    0.05,
+    "s by which a clock that goes on from there was set back: motion that is missing between two stamps is a push",
+)
 LEAST_RATE = Threshold(
     5.0,
     "samples in a period of the cut-off: with three, a third of the intervals miss the truth",
@@ -243,11 +247,11 @@ class FrontEnd:
             return []
         t = samples[:, 0] if self.last is None else np.concatenate([[self.last[0]], samples[:, 0]])
         step = np.diff(t)
-        jump = np.flatnonzero((step > LONGEST_HOLE) | (step < -LONGEST_HOLE)) + (1 if self.last is None else 0)
+        jump = np.flatnonzero((step > LONGEST_HOLE) | (step < -STEPPED_BACK)) + (1 if self.last is None else 0)
         return [part for part in np.split(samples, jump) if len(part)]
 
     def _push(self, samples: Float) -> Samples:
-        if self.last is not None and not -LONGEST_HOLE <= samples[0, 0] - self.last[0] <= LONGEST_HOLE:
+        if self.last is not None and not -STEPPED_BACK <= samples[0, 0] - self.last[0] <= LONGEST_HOLE:
             self._restart()
         if self.filters is None:
             self.waiting.append(samples)

@@ -60,7 +60,7 @@ def test_a_wrong_stamp_is_no_jump_of_the_clock(size: int) -> None:
 
 
 @pytest.mark.shows("bad_samples.CONFIRMED")
-@pytest.mark.parametrize("jump", [3600.0, -8.0])
+@pytest.mark.parametrize("jump", [3600.0, -8.0, -0.5])
 def test_a_clock_that_goes_on_from_elsewhere_is_believed(jump: float) -> None:
     rows = stream()
     rows[600:, 0] += jump

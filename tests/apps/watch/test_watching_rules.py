@@ -134,6 +134,16 @@ def test_no_motion_is_made_up_across_a_long_hole(seconds: float, restarts: int) 
     assert one.restarts == restarts
 
 
+@pytest.mark.shows("front.STEPPED_BACK")
+@pytest.mark.parametrize(("seconds", "restarts"), [(0.03, 0), (0.5, 1)])
+def test_a_clock_that_was_set_back_starts_the_filters_anew(seconds: float, restarts: int) -> None:
+    rows = stream()
+    rows[400:, 0] -= seconds
+    one = FrontEnd(2)
+    Samples.joined([one.push(rows[k : k + 50]) for k in range(0, len(rows), 50)])
+    assert one.restarts == restarts
+
+
 @pytest.mark.shows("window.LEAST_WEIGHT")
 @pytest.mark.parametrize(("every", "used"), [(2, True), (5, False)])
 def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
