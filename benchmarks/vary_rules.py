@@ -38,7 +38,7 @@ from exoid.diagnosis.rules import RULES, Rules  # noqa: E402
 from exoid.diagnosis.settings import DiscoverySettings  # noqa: E402
 from exoid.diagnosis.thresholds import every_threshold  # noqa: E402
 from exoid.ground.suggest import did_you_mean  # noqa: E402
-from exoid.ground.thresholds import Rule, Threshold  # noqa: E402
+from exoid.ground.thresholds import Rule, home_of  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 
@@ -91,19 +91,15 @@ def in_force(rule: Rule, value: float) -> Iterator[None]:
         finally:
             object.__setattr__(RULES, rule.name, rule.value)
         return
-    name = rule.name.rpartition(".")[2]
-    places = [
-        (module, old)
-        for module in list(sys.modules.values())
-        for old in (getattr(module, "__dict__", {}).get(name),)
-        if isinstance(old, Threshold) and old.module.endswith(rule.name.rpartition(".")[0])
-    ]
-    for module, old in places:
-        setattr(module, name, Threshold(value, old.prevents))
+    home, name = home_of(rule)
+    old = getattr(sys.modules[home], name)
+    places = [one for one in list(sys.modules.values()) if getattr(one, "__dict__", {}).get(name) is old]
+    for module in places:
+        setattr(module, name, value)
     try:
         yield
     finally:
-        for module, old in places:
+        for module in places:
             setattr(module, name, old)
 
 

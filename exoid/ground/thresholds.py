@@ -1,10 +1,9 @@
-"""Thresholds that decide, where they are used: each a number that says what it prevents, gathered into one table."""
+"""Numbers that decide, declared where they are used, each with what would be concluded without it; one table of all."""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from types import ModuleType
@@ -20,27 +19,28 @@ class Rule:
     prevents: str
 
 
-class Threshold(float):
-    """A number that decides; it `prevents` what would be concluded without it."""
+_DECLARED: dict[str, dict[str, Rule]] = {}
+"""Rules by the module that declares them and their name there."""
 
-    prevents: str
-    module: str
 
-    def __new__(cls, value: float, prevents: str) -> Threshold:
-        """Return the number `value`, and remember which module declares it."""
-        number = super().__new__(cls, value)
-        number.prevents = prevents
-        number.module = sys._getframe(1).f_globals["__name__"]  # where it is declared, as a namedtuple knows it
-        return number
-
-    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
-        return float(self), self.prevents
+def threshold(module: str, name: str, value: float, prevents: str) -> float:
+    """The number `value`; the table has it as `name` of `module` (its `__name__`), with what it `prevents`."""
+    called = f"{module.rpartition('.')[2]}.{name}"
+    _DECLARED.setdefault(module, {})[name] = Rule("", called, float(value), prevents)
+    return value
 
 
 def thresholds_in(place: ModuleType, group: str) -> Iterator[Rule]:
-    """Yield the thresholds that a module, or the modules of a package, declare; a name says the module as well."""
+    """The thresholds that a module, or the modules of a package, declare, as those of the question `group`."""
     below = pkgutil.walk_packages(getattr(place, "__path__", ()), f"{place.__name__}.")
     for path in [place.__name__, *sorted(one.name for one in below)]:
-        for name, value in vars(importlib.import_module(path)).items():
-            if isinstance(value, Threshold) and value.module == path:
-                yield Rule(group, f"{path.rpartition('.')[2]}.{name}", float(value), value.prevents)
+        importlib.import_module(path)
+        for rule in _DECLARED.get(path, {}).values():
+            yield Rule(group, rule.name, rule.value, rule.prevents)
+
+
+def home_of(rule: Rule) -> tuple[str, str]:
+    """Module and name of the variable that holds a threshold."""
+    return next(
+        (module, name) for module, own in _DECLARED.items() for name, one in own.items() if one.name == rule.name
+    )

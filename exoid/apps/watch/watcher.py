@@ -32,14 +32,15 @@ from exoid.diagnosis.against.differences import MOST, QUICK
 from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.rules import Rules
 from exoid.ground.errors import ExoidError
-from exoid.ground.thresholds import Threshold
+from exoid.ground.thresholds import threshold
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model, require_still_base
 from exoid.symbolic.motion import Float
 
-NOTICED = Threshold(
-    1.1, "times the usual error from which what has no name is reported at all: other motion alone grows it"
-)
+NOTICED = threshold(
+    __name__, "NOTICED", 1.1,
+    "times the usual error from which what has no name is reported at all: other motion alone grows it",
+)  # fmt: skip
 
 
 @dataclass(eq=False)

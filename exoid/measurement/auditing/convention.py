@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.ground.minimum import minimum
-from exoid.ground.thresholds import Threshold
+from exoid.ground.thresholds import threshold
 from exoid.ground.ties import ascending, index_of_least, order_of, tied
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.auditing.hypotheses import (
@@ -40,20 +40,29 @@ from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_leg, is_spatial, machine_word, parents
 
 CHECK = "convention"
-GOOD = Threshold(
-    0.4,
+GOOD = threshold(
+    __name__, "GOOD", 0.4,
     "share of the torques' power that a reading leaves at most: one that fits nothing would be named",
-)
-DOUBT = Threshold(0.08, "share of power left as recorded, from which another reading is looked for: friction left out")
-TIMES = Threshold(4.0, "times more than the other reading leaves: two readings that fit alike")
-SLIGHT_DOUBT = Threshold(0.03, "the same share where the other reading is far better: a light payload or a small tilt")
-SLIGHT_TIMES = Threshold(15.0, "times more that is far better: a reading that absorbs what the rough leg leaves out")
+)  # fmt: skip
+DOUBT = threshold(
+    __name__, "DOUBT", 0.08,
+    "share of power left as recorded, from which another reading is looked for: friction left out",
+)  # fmt: skip
+TIMES = threshold(__name__, "TIMES", 4.0, "times more than the other reading leaves: two readings that fit alike")
+SLIGHT_DOUBT = threshold(
+    __name__, "SLIGHT_DOUBT", 0.03,
+    "the same share where the other reading is far better: a light payload or a small tilt",
+)  # fmt: skip
+SLIGHT_TIMES = threshold(
+    __name__, "SLIGHT_TIMES", 15.0,
+    "times more that is far better: a reading that absorbs what the rough leg leaves out",
+)  # fmt: skip
 DOUBTS = ((DOUBT, TIMES), (SLIGHT_DOUBT, SLIGHT_TIMES))
 LEAST = float(min(least for least, _ in DOUBTS))
-AS_GOOD = Threshold(
-    1.5,
+AS_GOOD = threshold(
+    __name__, "AS_GOOD", 1.5,
     "times what the best reading leaves, within which the one with the fewest names is named: three errors for one",
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from exoid.ground.thresholds import Threshold
+from exoid.ground.thresholds import threshold
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.reading.conventions import (
     Convention,
@@ -27,11 +27,14 @@ FEW_JOINTS, BEAM = 2, 16
 """Joints up to which every combination is tried; beyond, how many readings get one name more."""
 BEAM_IN_SPACE = 4
 """The same in space, where all pairs are tried before."""
-WRONG = Threshold(0.4, "share of power left, from which readings of three and four names are tried: chance fits some")
-TURNING = Threshold(
-    2.5,
+WRONG = threshold(
+    __name__, "WRONG", 0.4,
+    "share of power left, from which readings of three and four names are tried: chance fits some",
+)  # fmt: skip
+TURNING = threshold(
+    __name__, "TURNING", 2.5,
     "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
-)
+)  # fmt: skip
 RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
 """Gear ratios tried."""
 

@@ -16,28 +16,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import Threshold
+from exoid.ground.thresholds import threshold
 from exoid.measurement.signals.masks import Mask, straight
 from exoid.symbolic.motion import Float
 
-SPIKE = Threshold(
-    3.5,
+SPIKE = threshold(
+    __name__, "SPIKE", 3.5,
     "robust deviations of what neighbours predict beyond which a torque sample is a spike: noise would be hidden",
-)
-AGAIN = Threshold(
-    5.5,
-    "the same of the means of several samples, which were judged one by one already: good ones would be hidden where "
-    "a model turns a little too early",
-)
-ALONE = Threshold(
-    0.4,
+)  # fmt: skip
+AGAIN = threshold(
+    __name__, "AGAIN", 5.5,
+    "the same of the means of several samples, which were judged one by one already: good ones would be hidden "
+    "where a model turns a little too early",
+)  # fmt: skip
+ALONE = threshold(
+    __name__, "ALONE", 0.4,
     "part of that by which one side alone must miss it, too: where a force jumps, samples would be hidden",
-)
-CROWD = Threshold(
-    5,
+)  # fmt: skip
+CROWD = threshold(
+    __name__, "CROWD", 5,
     "spikes among a sample and its neighbours from which it is one: a sensor chatters, and what lies between its "
     "peaks would be fitted",
-)
+)  # fmt: skip
 SIDE, PARABOLA = 5, 8
 """Samples on either side that predict together, and alone."""
 LASTS, MOST = 0.003, 5

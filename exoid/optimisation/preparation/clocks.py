@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exoid.ground.thresholds import Threshold
+from exoid.ground.thresholds import threshold
 from exoid.measurement.finding import Finding
 from exoid.measurement.signals.conditioning import low_pass
 from exoid.optimisation.linear.loss import Bool
@@ -24,9 +24,18 @@ CLOCKS = "clock_rate"
 """What the finding on them is called."""
 GROUPS = 10
 """Parts of a recording that are left out one by one, which tells how far its clocks are known (jackknife)."""
-CHANCE = Threshold(1e-5, "probability of such a difference where there is none: good recordings would be refused")
-APART = Threshold(0.004, "s over a recording by which clocks of different rates come apart: no answer depends on less")
-SHARE = Threshold(0.02, "share of what a rigid machine leaves that it explains: what is left would be of another kind")
+CHANCE = threshold(
+    __name__, "CHANCE", 1e-5,
+    "probability of such a difference where there is none: good recordings would be refused",
+)  # fmt: skip
+APART = threshold(
+    __name__, "APART", 0.004,
+    "s over a recording by which clocks of different rates come apart: no answer depends on less",
+)  # fmt: skip
+SHARE = threshold(
+    __name__, "SHARE", 0.02,
+    "share of what a rigid machine leaves that it explains: what is left would be of another kind",
+)  # fmt: skip
 LEAST_SAMPLES = 200
 STEPS, MOST = 6, 0.05
 """Times that a torque is read anew at the rate found, and the largest rate that is looked for."""

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import Threshold
+from exoid.ground.thresholds import threshold
 from exoid.measurement.auditing.channels import channels, place
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.angles import running_median, sampled
 from exoid.measurement.recording import Recording
 from exoid.symbolic.motion import Float
 
-NOTED = Threshold(0.02, "share of such torques that is noted: a few that reversing friction makes are no finding")
-HEAVY = Threshold(0.12, "share that is warned of: as many that are not found pull even the Huber loss")
-CARRIED = Threshold(
-    0.35, "part of the slow torque in such samples: chatter that moves a machine is taken for a sensor's"
-)
+NOTED = threshold(
+    __name__, "NOTED", 0.02,
+    "share of such torques that is noted: a few that reversing friction makes are no finding",
+)  # fmt: skip
+HEAVY = threshold(
+    __name__, "HEAVY", 0.12,
+    "share that is warned of: as many that are not found pull even the Huber loss",
+)  # fmt: skip
+CARRIED = threshold(
+    __name__, "CARRIED", 0.35,
+    "part of the slow torque in such samples: chatter that moves a machine is taken for a sensor's",
+)  # fmt: skip
 AVERAGED = 0.2
 """s over which the torque is averaged for that."""
 
