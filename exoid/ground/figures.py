@@ -137,12 +137,21 @@ def _figure_type() -> type[Figure]:
         def __call__(self, x: float, pos: int | None = None) -> str:
             return plain_power(super().__call__(x, pos))
 
+    def plain(given: Any) -> Any:
+        """The same formatter, with powers as text; None where it writes none, or does so already."""
+        if not isinstance(given, LogFormatterMathtext) or isinstance(given, PlainPowers):
+            return None
+        made = PlainPowers()
+        vars(made).update(vars(given))
+        return made
+
     class PlainFigure(Figure):
         def draw(self, renderer: Any) -> None:
             for axis in (axis for axes in self.axes for axis in (axes.xaxis, axes.yaxis)):
-                for given in (axis.get_major_formatter(), axis.get_minor_formatter()):
-                    if isinstance(given, LogFormatterMathtext):
-                        given.__class__ = PlainPowers
+                if (major := plain(axis.get_major_formatter())) is not None:
+                    axis.set_major_formatter(major)
+                if (minor := plain(axis.get_minor_formatter())) is not None:
+                    axis.set_minor_formatter(minor)
             super().draw(renderer)
 
     return PlainFigure

@@ -133,7 +133,7 @@ def _fit(space: Workspace, session: Session, names: Names) -> None:
 
 
 def _rank(space: Workspace, ranking: Ranking) -> None:
-    work = space.portions.setdefault(id(ranking), ranking.work())
+    work = space.portions.setdefault(ranking, ranking.work())
     began = time.monotonic()
     while next(work, None) is not None and time.monotonic() - began < TOLD_EVERY:
         pass

@@ -83,7 +83,7 @@ class Workspace:
         self.busy = ""
         self._model: Model | None = None
         self.stale = False
-        self.portions: dict[int, Iterator[str]] = {}
+        self.portions: dict[Ranking, Iterator[str]] = {}
         self._ids = 0
         self.lock = threading.RLock()
         self.change = threading.Condition(self.lock)

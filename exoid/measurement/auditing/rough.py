@@ -12,11 +12,11 @@ of one in space what a motion shows of the ten numbers of each link, under the g
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,21 +85,15 @@ class Smooth:
         return parts, np.swapaxes(parts, 1, 2) @ parts, rows, share
 
 
-_SMOOTH: dict[tuple[int, ...], Smooth | None] = {}
-"""Of recordings that are still in use, by their arrays: several checks ask for the same one, under other findings."""
+_SMOOTH: WeakKeyDictionary[Recording, Smooth | None] = WeakKeyDictionary()
+"""Of recordings that are still in use: several checks ask for the same one."""
 
 
 def smooth(recording: Recording) -> Smooth | None:
-    """Return the recording (at most its first two minutes) filtered forwards and backwards; None when too
-    short."""
-    known = (recording.valid, recording.angle_valid, recording.torque_valid)
-    arrays = (recording.t, recording.q, recording.tau, *known, *recording.forces.values())
-    key = tuple(map(id, arrays))
-    if key not in _SMOOTH:
-        _SMOOTH[key] = _smoothed(recording)
-        for array in arrays:
-            weakref.finalize(array, _SMOOTH.pop, key, None).atexit = False
-    return _SMOOTH[key]
+    """The recording (at most its first two minutes) filtered forwards and backwards; None when too short."""
+    if recording not in _SMOOTH:
+        _SMOOTH[recording] = _smoothed(recording)
+    return _SMOOTH[recording]
 
 
 def _smoothed(recording: Recording) -> Smooth | None:
