@@ -26,6 +26,7 @@ from exoid.ground.folder import with_apps
 from exoid.measurement.reading.limits import MOST_BYTES
 from exoid.measurement.reading.mapping import FILE as MAPPING
 from exoid.measurement.reading.sources import is_recording
+from exoid.workbench.report import page as report
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from exoid.apps.page.workspace import Workspace
 
 STATIC = Path(__file__).parent / "static"
-REPORT_STYLE = Path(__file__).parent.parent / "report" / "page.css"
+REPORT_STYLE = report.FOLDER / "page.css"
 DRAWN = "export function draw("
 """How the script of a panel begins to draw it."""
 BEAT = 10.0

@@ -10,6 +10,7 @@ from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.model_error import sensor_noise
 from exoid.diagnosis.evidence.repeats import repeats
+from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import index_of_greatest
@@ -142,9 +143,12 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
 
 
 def explains_nothing(before: Extension, after: Extension, rules: Rules) -> str:
-    """Return that the squared error of motion it was not fitted to does not fall at the joints where the term shows."""
+    """Return that the squared error of motion it was not fitted to does not fall at the joints where the effect shows.
+
+    A wrong length may hide in the numbers that were fitted with it and leave next to no error: it is no effect.
+    """
     share = before.explained(after, rules)
-    if share >= rules.least_share:
+    if share >= rules.least_share or after.added is None or is_reading(after.added.name):
         return ""
     return f"explains {100 * share:.1g} % of the squared error at its own joints, on motion it was not fitted to"
 
