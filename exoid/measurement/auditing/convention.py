@@ -44,21 +44,21 @@ GOOD = threshold(
     __name__, "GOOD", 0.4,
     "share of the torques' power that a reading leaves at most: one that fits nothing would be named",
 )  # fmt: skip
-DOUBT = threshold(
-    __name__, "DOUBT", 0.08,
+GAIN = threshold(
+    __name__, "GAIN", 0.08,
     "share of power left as recorded, from which another reading is looked for: friction left out",
 )  # fmt: skip
 TIMES = threshold(__name__, "TIMES", 4.0, "times more than the other reading leaves: two readings that fit alike")
-SLIGHT_DOUBT = threshold(
-    __name__, "SLIGHT_DOUBT", 0.03,
+SLIGHT_GAIN = threshold(
+    __name__, "SLIGHT_GAIN", 0.03,
     "the same share where the other reading is far better: a light payload or a small tilt",
 )  # fmt: skip
 SLIGHT_TIMES = threshold(
     __name__, "SLIGHT_TIMES", 15.0,
     "times more that is far better: a reading that absorbs what the rough leg leaves out",
 )  # fmt: skip
-DOUBTS = ((DOUBT, TIMES), (SLIGHT_DOUBT, SLIGHT_TIMES))
-LEAST = float(min(least for least, _ in DOUBTS))
+GAINS = ((GAIN, TIMES), (SLIGHT_GAIN, SLIGHT_TIMES))
+LEAST = float(min(least for least, _ in GAINS))
 AS_GOOD = threshold(
     __name__, "AS_GOOD", 1.5,
     "times what the best reading leaves, within which the one with the fewest names is named: three errors for one",
@@ -183,7 +183,7 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
     check = "sign" if found.reading.sides and len(recordings) == 1 else CHECK
     where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
-    sure = "possible" if found.rivals or found.then > DOUBT else "likely"
+    sure = "possible" if found.rivals or found.then > GAIN else "likely"
     return Finding(check, "warning", what, where, found.now, LEAST, remedy, "every parameter is wrong", sure)
 
 
@@ -201,10 +201,10 @@ def better_reading(
     if now < LEAST:
         return None
     sets = _as_in_the_files(recordings, sets)
-    doubts = DOUBTS if is_leg(joints) else ((SLIGHT_DOUBT, TIMES),)
+    doubts = GAINS if is_leg(joints) else ((SLIGHT_GAIN, TIMES),)
     enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
     # Beyond, it would be doubted itself. In space one name of two may leave so little, and both far less.
-    settled = min(enough, SLIGHT_DOUBT) / (TIMES if is_spatial(joints) else 1.0)
+    settled = min(enough, SLIGHT_GAIN) / (TIMES if is_spatial(joints) else 1.0)
     kinds: list[ConventionHypothesis] = []
     left, quiet = np.zeros(0), quiet_torques(sets)
     still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)

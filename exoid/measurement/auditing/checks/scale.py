@@ -22,8 +22,8 @@ from exoid.symbolic.motion import Float
 TRIED = np.logspace(-3, 3, 37)
 SPARSE = TRIED[::3]
 """Near enough to tell on which side of one a plain factor lies."""
-DOUBT = threshold(
-    __name__, "DOUBT", 0.02,
+LEAST_GAIN = threshold(
+    __name__, "LEAST_GAIN", 0.02,
     "share of the torques' power left, from which a factor is looked for: friction left out",
 )  # fmt: skip
 GOOD = threshold(
@@ -85,7 +85,7 @@ def _factor(motions: Sequence[Smooth], where: str, only_plain: bool = False) -> 
     if not motions:
         return []
     now = _left(motions, 1.0)
-    if now.sum() < DOUBT:
+    if now.sum() < LEAST_GAIN:
         return []
     if only_plain:
         near = SPARSE[index_of_least([_left(motions[:1], factor).sum() for factor in SPARSE], 1.0)]
