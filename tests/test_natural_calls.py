@@ -99,8 +99,6 @@ READ = {
     "identify of a path": lambda b: exoid.identify(b.leg, b.files[0], optimisers=()),
     "identify of what is prepared": lambda b: exoid.identify(b.leg, exoid.prepare(b.leg, b.files[0]), optimisers=()),
     "a session": lambda b: exoid.Session(b.leg, b.files[:1], b.frames[3]).fitted(),
-    "watch of a path": lambda b: list(exoid.watch(b.leg, b.files[0])),
-    "watch of a frame": lambda b: list(exoid.watch(b.leg, b.frames[0])),
     "add by its full name": lambda b: exoid.add(b.leg, "load_friction:knee", b.files[0]),
     "add with a joint": lambda b: exoid.add(b.leg, "load_friction", b.runs[0], joint="knee"),
     "add of one's own": lambda b: exoid.add(b.leg, exoid.Effect("magnet", joints="hip", **MAGNET), b.runs[0]),
@@ -110,7 +108,6 @@ READ = {
     "an effect of a model": lambda b: exoid.Model(terms="stribeck:hip").without("stribeck:hip"),
     "the effects of a model": lambda b: exoid.Model(terms="stribeck:hip").effects == ("stribeck:hip",),
     "an Effect with units alone": lambda b: exoid.Effect("m", torque="c * dtheta", coefficients={"c": "N·m·s/rad"}),
-    "watch of two models": lambda b: exoid.watch(b.leg, b.leg.with_effect("stribeck:hip"), b.files[:1], b.files[3]),
     "the version": lambda b: exoid.__version__,
     "a simulated effect": lambda b: exoid.simulate(b.leg, effects="stribeck:hip", duration=5.0),
 }

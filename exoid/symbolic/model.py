@@ -4,7 +4,7 @@
 
 with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then where measured forces act,
 as far as that is not known, then the numbers of each term. A model is a value: `with_effect` and `without` return
-another one. What is computed from it lies above, `exoid.symbolic.columns` and `exoid.symbolic.codegen`: methods that
+another one. What is computed from it lies above, `exoid.symbolic.columns` and `exoid.symbolic.model_file`: methods that
 need these import them when they are called, which is also why a model that is only read costs nothing of them.
 """
 
@@ -457,12 +457,6 @@ class Model:
         from exoid.symbolic.columns import held_places
 
         return held_places(self)
-
-    def key(self) -> str:
-        """Return the hash of everything the numbers of the model depend on, plus its name and limits."""
-        from exoid.symbolic.codegen.fingerprint import model_key
-
-        return model_key(self)
 
     def _repr_html_(self) -> str:
         size = f"gravity {self.gravity:g} m/s²"

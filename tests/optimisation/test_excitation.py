@@ -12,6 +12,7 @@ from exoid.optimisation.excitation import design as excitation
 from exoid.optimisation.excitation.criteria import Noise, condition, softened
 from exoid.optimisation.excitation.design import DesignError, design, evaluate, evaluate_paper
 from exoid.optimisation.excitation.space import motion_space
+from exoid.optimisation.optimisers import optimisers
 from exoid.symbolic.force import Force
 from exoid.symbolic.model import TABLE_1, Limits, Model
 
@@ -45,7 +46,7 @@ def test_nfo_is_one_setting_away():
     assert all([c.name for c in one.candidates] == ["NFO", "NFO, refined"] for one in found)
 
 
-@pytest.mark.parametrize("name", ["nfo", "pso", "ga", "de", "cma_es"])
+@pytest.mark.parametrize("name", optimisers())
 def test_every_optimiser_designs_motions(name):
     one = design(optimiser=name, generations=20, harmonics=2)
     assert one.feasible and one.candidates[0].evaluations == 400 and one.value <= one.candidates[0].value

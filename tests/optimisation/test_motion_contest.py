@@ -14,7 +14,6 @@ from exoid.optimisation.excitation.design import design
 from exoid.optimisation.optimisers import optimisers
 from exoid.optimisation.optimisers.nfo import NFO
 from exoid.symbolic.model import Model
-from exoid.workbench.command import main
 
 LEG = Model.standard()
 KNOWN = {"condition": 55.03, "d_optimal": -89.79, "worst": 0.0134}
@@ -86,19 +85,7 @@ def test_they_compete_and_go_on_where_they_were(tmp_path):
     assert log["scenarios"][0]["dimension"] == 20
 
 
-@pytest.mark.slow
-def test_the_command_compares_motions(tmp_path, capsys):
-    small = ["--seeds", "2", "--individuals", "8", "--generations", "4", "--jobs", "1"]
-    chosen = ["--only", "nfo", "cma_es_penalty", "--out", str(tmp_path)]
-    assert main(["rivals", "--problem", "excitation", *small, *chosen]) == 0
-    shown = capsys.readouterr().out
-    assert "best motion known" in shown and "IPOPT" in shown
-    assert (tmp_path / "ioh" / "nfo" / "IOHprofiler_f1_condition.json").is_file()
-
-
-def test_recordings_do_not_belong_to_it(capsys):
-    assert main(["rivals", "run.csv", "--problem", "excitation"]) == 2
-    assert "motions compete on a model alone" in capsys.readouterr().err
+def test_recordings_do_not_belong_to_it():
     with pytest.raises(ContestError, match="a model alone"):
         rivals(LEG, [object()], problem="excitation")
 

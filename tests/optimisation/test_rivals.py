@@ -140,7 +140,7 @@ def test_what_was_stopped_goes_on_where_it_was(fit, found, tmp_path, monkeypatch
         assert [r.gap for r in runs] == [r.gap for r in again.outcomes[name]]
         assert np.array_equal(runs[0].found_at, again.outcomes[name][0].found_at)
     stopped_after(0, monkeypatch)
-    assert rivals(fit, folder=tmp_path, **SMALL).resumed == 24
+    assert rivals(fit, folder=tmp_path, **SMALL).resumed == SMALL["seeds"] * len(found.outcomes)
 
 
 def test_files_that_are_broken_or_of_other_settings_are_not_believed(fit, tmp_path):

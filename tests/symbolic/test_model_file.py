@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from exoid.ground.errors import EffectError, ExoidError, ModelFileError
 from exoid.symbolic import Model
+from exoid.symbolic.codegen.fingerprint import model_key
 from exoid.symbolic.model_file import read_model, read_numbers, write_model
 from exoid.symbolic.quantity import Estimate
 
@@ -62,7 +63,7 @@ def test_custom_effects_join_the_catalogue_without_being_terms(write):
 def test_round_trip(write, tmp_path):
     model = read_model(write(TEXT))
     again = read_model(write_model(model, tmp_path / "again.toml"))
-    assert again.key() == model.key()
+    assert model_key(again) == model_key(model)
     assert again.custom[0] == model.custom[0]
 
 
@@ -81,7 +82,7 @@ def test_identified_numbers(tmp_path):
     numbers = read_numbers(path)
     assert numbers.linear == {"Phi1": 25.1} and numbers.shape == {"gravity_tilt.tilt": 0.02}
     assert numbers.delta == (138.46, 92.89)
-    assert read_model(path).key() == model.key()
+    assert model_key(read_model(path)) == model_key(model)
     assert read_numbers(write_model(model, path)) is None
 
 
@@ -177,7 +178,7 @@ def test_models_refuse_what_they_cannot_hold():
         model.with_effect("stribeck")
     with pytest.raises(EffectError, match=r"absorbed|no place"):
         model.with_effect("rotor_inertia", "hip")
-    assert model.without("stribeck:knee").key() == Model.standard().key()
+    assert model_key(model.without("stribeck:knee")) == model_key(Model.standard())
 
 
 def test_hip_and_knee_may_lie_in_a_plane_without_gravity(write):

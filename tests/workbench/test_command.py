@@ -51,7 +51,7 @@ def test_overview_names_every_verb(capsys):
     assert main(["--help"]) == 0
     text = capsys.readouterr().out
     assert all(text.count(f"\n  {verb} ") == 1 for verb in find_verbs())
-    assert {load_verb(verb).GROUP for verb in find_verbs()} == set(GROUPS)
+    assert {load_verb(verb).GROUP for verb in find_verbs()} <= set(GROUPS)
 
 
 @pytest.mark.parametrize("verb", find_verbs())

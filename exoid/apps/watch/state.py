@@ -30,6 +30,7 @@ from exoid.diagnosis.against.questions import Acting
 from exoid.diagnosis.against.result import ChangeFound
 from exoid.ground.errors import ExoidError
 from exoid.ground.plain import SPOILT
+from exoid.symbolic.codegen.fingerprint import model_key
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -75,7 +76,7 @@ class WatchState:
             arrays |= {f"window{k}.{name}": value for name, value in parts.items()}
             arrays[f"window{k}.torque"] = one.torque
         about = {
-            "schema": SCHEMA, "model": model.key(), "name": model.name, "block": settings.block,
+            "schema": SCHEMA, "model": model_key(model), "name": model.name, "block": settings.block,
             "cutoff": settings.cutoff, "rate": first[0].full_rate, "lead": [int(one.kept[0]) for one in first],
             "numbers": list(estimator.names), "units": list(estimator.units), "pace": list(map(float, estimator.pace)),
             "inside": estimator.inside, "followed": [_plain(one) for one in numbers.followed],
@@ -110,7 +111,7 @@ class WatchState:
         about = self.about
         given = {"block": settings.block, "cutoff": settings.cutoff}
         other = [f"{name} {about[name]:g}" for name, value in given.items() if about[name] != value]
-        if about["model"] != model.key():
+        if about["model"] != model_key(model):
             other = [f"the model {about['name']!r}, which is not this one"]
         elif abs(one.full_rate - about["rate"]) > SAME_RATE * about["rate"]:
             other = [f"a stream of {about['rate']:.5g} Hz, and this one has {one.full_rate:.5g} Hz"]

@@ -17,6 +17,7 @@ import numpy as np
 from exoid.measurement.bench.hidden import TrueModel
 from exoid.measurement.bench.plant import REMEMBERED, step_function
 from exoid.symbolic.codegen.equation import model_expressions
+from exoid.symbolic.codegen.fingerprint import model_key
 from exoid.symbolic.language.torque import torques
 from exoid.symbolic.language.tree import OPERATORS, Call
 from exoid.symbolic.language.words import MODEL_TORQUE
@@ -88,7 +89,7 @@ _RECENT: dict[tuple[str, float], Stepper] = {}
 
 def stepper(model: Model, dt: float) -> Stepper:
     """Return the step function of `model` (no terms of the torque channel); built once per process and model."""
-    key = (model.key(), dt)
+    key = (model_key(model), dt)
     if key not in _RECENT:
         while len(_RECENT) >= 64:
             _RECENT.pop(next(iter(_RECENT)))

@@ -27,6 +27,7 @@ from exoid.optimisation.excitation.search import MotionSearch
 from exoid.optimisation.excitation.settings import DesignSettings
 from exoid.optimisation.fitting.settings import Search
 from exoid.optimisation.linear.problem import Problem
+from exoid.symbolic.codegen.fingerprint import model_key
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -119,7 +120,7 @@ class MotionContest(ContestSubject):
     def fingerprint(self) -> str:
         """Return a SHA-256 of the model, the criterion, the references and the budget."""
         versions = [version_of(name) for name in ("numpy", "pymoo", "cma")]
-        sizes = [VERSION, self.model.key(), self.criterion, self.best, self.individuals, self.generations]
+        sizes = [VERSION, model_key(self.model), self.criterion, self.best, self.individuals, self.generations]
         return hashlib.sha256(json.dumps([sizes, versions]).encode()).hexdigest()
 
     def about(self) -> Mapping[str, Any]:
@@ -128,7 +129,7 @@ class MotionContest(ContestSubject):
 
     def _search(self, penalised: bool) -> MotionSearch:
         """Return what evaluates motions; it holds compiled code, so each process makes its own."""
-        key = self.model.key(), self.criterion, penalised
+        key = model_key(self.model), self.criterion, penalised
         if key not in _SEARCHES:
             _SEARCHES[key] = search_of(self.model, DesignSettings(criterion=self.criterion, printed=penalised))
         return _SEARCHES[key]

@@ -93,8 +93,10 @@ def run(args: argparse.Namespace) -> int:
     for name, why in refused.items():
         warn(f"not written as {name}: {why}")
     if args.json:
+        from exoid.symbolic.codegen.fingerprint import model_key
+
         write_json(args.json, {
-            "schema": "exoid.export/1", "model": ready.model.name, "key": ready.model.key(), "folder": str(folder),
+            "schema": "exoid.export/1", "model": ready.model.name, "key": model_key(ready.model), "folder": str(folder),
             "files": {name: sorted(files) for name, files in (*written.items(), *([("own", own)] if own else []))},
             "refused": refused, "notes": list(notes),
             "numbers": {**ready.linear, **ready.shape},

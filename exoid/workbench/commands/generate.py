@@ -57,6 +57,7 @@ def run(args: argparse.Namespace) -> int:
     if args.form:
         raise UsageError(f"--as {args.form} says how equations are printed", remedy="add --print")
     from exoid.symbolic.codegen.code import generate
+    from exoid.symbolic.codegen.fingerprint import model_key
     from exoid.symbolic.codegen.kernel import compiled
     from exoid.workbench.command_line.inputs import load_model
 
@@ -92,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
         screen.say("the files are not what this model generates; run exoid generate", "bad")
     if args.json:
         write_json(args.json, {
-            "schema": "exoid.generated/1", "model": model.name, "key": model.key(), "folder": str(folder),
+            "schema": "exoid.generated/1", "model": model.name, "key": model_key(model), "folder": str(folder),
             "files": states, "checked_only": bool(args.check), "backend": backend,
             "checks": [{"name": c.name, "holds": c.holds, "how": c.how, "detail": c.detail} for c in properties],
         })  # fmt: skip
@@ -101,6 +102,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _print(args: argparse.Namespace) -> int:
     """Print the equations; with --out, write them there as well."""
+    from exoid.symbolic.codegen.fingerprint import model_key
     from exoid.symbolic.model_equations import equations
     from exoid.workbench.command_line.inputs import load_model
 
@@ -117,7 +119,7 @@ def _print(args: argparse.Namespace) -> int:
         screen.say(f"written: {path}")
     if args.json:
         write_json(args.json, {
-            "schema": "exoid.equations/1", "model": model.name, "key": model.key(), "format": form, "text": text,
+            "schema": "exoid.equations/1", "model": model.name, "key": model_key(model), "format": form, "text": text,
             "parameters": {p.name: {"unit": p.unit, "meaning": str(found.base.get(p.name, p.label))}
                            for p in found.parameters},
         })  # fmt: skip

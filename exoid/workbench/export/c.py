@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from exoid.ground.text import in_comment
+from exoid.symbolic.codegen.fingerprint import model_key
 from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
 from exoid.symbolic.joints import Joint, units
 from exoid.symbolic.model import Model
@@ -73,7 +74,7 @@ void {n}_forward_dynamics({_arguments("t q dq base force tau > ddq", size, extra
  * {_conventions(ready)}
  * A torque is what the drives have to supply. Matrices are row by row.
  * sgn of a velocity is {_sign_text(options)}.
- * Model {ready.model.key()[:16]}, {_size(ready)}g = {ready.model.gravity:g} m/s^2. Numbers:
+ * Model {model_key(ready.model)[:16]}, {_size(ready)}g = {ready.model.gravity:g} m/s^2. Numbers:
 {numbers}
  */
 #ifndef {guard}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from exoid.ground.text import in_comment
+from exoid.symbolic.codegen.fingerprint import model_key
 from exoid.symbolic.codegen.instructions import FORMS, Language, scalar_c
 from exoid.workbench.identified import Options, Ready
 
@@ -121,7 +122,7 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     taken = "".join(f"    {name} = np.asarray({name}, dtype=float)\n" for name in outside)
     text = f'''"""{in_comment(model.name)}: torque of a {kind}, with identified parameters. Written by exoid.
 
-Joint order {", ".join(model.joint_names)}; s, {"; ".join(units_of)}. Model {model.key()[:16]}.
+Joint order {", ".join(model.joint_names)}; s, {"; ".join(units_of)}. Model {model_key(model)[:16]}.
 """
 
 import numpy as np

@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from exoid.optimisation.optimisers import optimisers
 from exoid.workbench.command import main
 
 SMALL = ["rivals", "--seeds", "2", "--individuals", "8", "--generations", "4", "--jobs", "1"]
@@ -51,3 +52,22 @@ def test_it_compares_on_recordings(tmp_path, monkeypatch, capsys):
 def test_bad_input_is_told(arguments, said, capsys):
     assert main(["rivals", *arguments]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_its_optimisers_join_those_of_the_core():
+    assert {"nfo", "cma_es", "pso", "ga", "de"} <= {*optimisers()}
+
+
+@pytest.mark.slow
+def test_the_command_compares_motions(tmp_path, capsys):
+    small = ["--seeds", "2", "--individuals", "8", "--generations", "4", "--jobs", "1"]
+    chosen = ["--only", "nfo", "cma_es_penalty", "--out", str(tmp_path)]
+    assert main(["rivals", "--problem", "excitation", *small, *chosen]) == 0
+    shown = capsys.readouterr().out
+    assert "best motion known" in shown and "IPOPT" in shown
+    assert (tmp_path / "ioh" / "nfo" / "IOHprofiler_f1_condition.json").is_file()
+
+
+def test_recordings_do_not_belong_to_motions(capsys):
+    assert main(["rivals", "run.csv", "--problem", "excitation"]) == 2
+    assert "motions compete on a model alone" in capsys.readouterr().err
