@@ -12,7 +12,7 @@ import numpy as np
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, apart, explained_alone, still_apart, why_apart
 from exoid.diagnosis.evidence.channels import doubts_after
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, lag
 from exoid.diagnosis.evidence.own_sway import own_sway
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
@@ -22,12 +22,13 @@ from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import DELAY
+from exoid.diagnosis.search.recordings import own_numbers
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from exoid.diagnosis.splits import from_scratch
 from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
-from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
+from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, with_own, write_up
 from exoid.ground.progress import Progress, silent
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -36,6 +37,9 @@ from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
+
+ROUNDS = 2
+"""Times that what belongs to recordings is looked for beside what was found with it."""
 
 
 def discover(
@@ -72,10 +76,51 @@ def answer_of(
     """Return what `discover` finds; `prepared` are the recordings where they are prepared already, `found` is called
     with the steps so far whenever the search has another one.
 
-    Recordings that are not of what the others are of are left out, and the others are answered.
+    What belongs to recordings (a zero of their own, a load) is a rival explanation of what the best model leaves: where
+    it predicts clearly better, the answer is that beside it.
     """
     began = time.perf_counter()
     base = question.fitted(recordings, verify, tick, prepared)
+    answer = _of_machine(question, base, recordings, verify, tick, found, began)
+    rules, given = question.rules, base.prepared
+    last = fitted_model(answer.fit, given)
+    own = None if given.misread or answer.outside else own_numbers(last, rules)
+    own = own and (own_numbers(base, rules) or own)
+    for _ in range(ROUNDS):
+        if own is None:
+            return answer
+        beside = replace(question, own=own)
+        fitted = beside.fitted(recordings, verify, tick, own.applied(given))
+        rival = _of_machine(beside, fitted, recordings, verify, tick, found, began)
+        explained = fitted_model(rival.fit, own.applied(given))
+        again = own_numbers(fitted_model(rival.fit, given), rules)
+        if again is None or again.agrees(own):
+            break
+        own = again
+    told = own.without([one.recording for one in rival.left_out])
+    if not told or rival.verdict == "check_channels" or not _better(last, explained, rules):
+        return answer
+    return with_own(rival, told, base)
+
+
+def _better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
+    """Whether a model beside what belongs to recordings clearly predicts better than the `last` one without."""
+    once, then = (one.block_losses(last.scale, rules) for one in (last, rival))
+    return lag(once, then) >= rules.clear and then.sum() <= (1.0 - rules.worth_telling) * once.sum()
+
+
+def _of_machine(
+    question: Question,
+    base: FittedModel,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    tick: Progress,
+    found: Callable[[Sequence[Step]], None] | None,
+    began: float,
+) -> Diagnosis:
+    """Return the answer of these recordings, to which `base` is fitted; those that are not of what the others are of
+    are left out, and the others are answered.
+    """
     odd = apart(base, question.rules) if len(base.prepared.all) > OTHERS else ()
     fitted = [one for k, one in enumerate(recordings) if k not in odd]
     held = [one for k, one in enumerate(verify, len(recordings)) if k not in odd]

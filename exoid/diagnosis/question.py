@@ -18,6 +18,7 @@ from exoid.diagnosis.results import Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.engine import Found, run_search
+from exoid.diagnosis.search.recordings import Own
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import DiscoverySettings
 from exoid.diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
@@ -48,10 +49,11 @@ class Searched:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is asked of recordings, whichever of them are fitted."""
+    """What is asked of recordings, whichever of them are fitted; `own` is what belongs to them."""
 
     model: Model
     asked: DiscoverySettings
+    own: Own | None = None
 
     @property
     def rules(self) -> Rules:
@@ -70,6 +72,7 @@ class Question:
         if prepared is None:
             asked = self.asked
             prepared = prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
+            prepared = prepared if self.own is None else self.own.applied(prepared)
         return fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
 
     def search(

@@ -11,7 +11,6 @@ import numpy as np
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import Apart
-from exoid.diagnosis.evidence.consistency import Differing
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import ModelError
 from exoid.diagnosis.evidence.power import Power
@@ -20,6 +19,7 @@ from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.plots import falling_error, suspects
 from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.recordings import Belonging
 from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
 from exoid.diagnosis.torques import torques_over_time
 from exoid.ground.frames import pandas
@@ -211,7 +211,7 @@ class Diagnosis(Reported, AsJson):
 
     `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
     to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
-    N·m. `differing` names what a single recording wants different from all the others; `possible` are effects that
+    N·m. `of_recordings` is what belongs to recordings, a zero or a load of their own; `possible` are effects that
     help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
     fitted to all the recordings as they were prepared. `forces` are the measured ones of the model, `left_out`
     recordings that are not of what the others are of, `power` what would have shown where nothing is missing.
@@ -241,7 +241,6 @@ class Diagnosis(Reported, AsJson):
     cutoff: str = ""
     stopped_because: str = ""
     biased: tuple[str, ...] = ()
-    differing: tuple[Differing, ...] = ()
     error: ModelError | None = None
     possible: tuple[Possible, ...] = ()
     rules: Rules = field(default=RULES, repr=False)
@@ -250,6 +249,9 @@ class Diagnosis(Reported, AsJson):
     forces: tuple[ForceUse, ...] = ()
     left_out: tuple[Apart, ...] = ()
     power: tuple[Power, ...] = ()
+    of_recordings: tuple[Belonging, ...] = ()
+    outside: bool = False
+    """Whether the error is not the machine's: something that was not measured acts from outside."""
 
     @property
     def unit(self) -> str:
@@ -386,7 +388,6 @@ class Diagnosis(Reported, AsJson):
             + (ranking if rows else "")
             + fold("why", lines(f"{self.verdict}: {self.rule}", *self._stable))
             + lines(*(f"possible, {p.sentence}" for p in self.possible))
-            + lines(*(f"differs: {d.sentence}" for d in self.differing))
             + lines(self.next_experiment and f"measure next: {self.next_experiment}")
         )
 
@@ -409,7 +410,7 @@ class Diagnosis(Reported, AsJson):
             "joints": self.joints, "rule": self.rule, "sentence": self.sentence, "accepted": self.accepted,
             "suspects": self.suspects, "possible": self.possible, "steps": self.steps, "noise_floor": self.noise_floor,
             "unexplained": self._unexplained_json, "model_error": self.error, "next_experiment": self.next_experiment,
-            "biased": self.biased, "differing": self.differing, "filter": self.cutoff,
+            "biased": self.biased, "of_recordings": self.of_recordings, "filter": self.cutoff,
             "stopped_because": self.stopped_because, "parameters": by_name(self.fit.estimates), "forces": self.forces,
             "left_out": self.left_out, "power": self.power, "thigh_length": self.thigh_length, "audit": self.audit,
             "seconds": self.seconds,

@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import TypeVar
 
 from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.consistency import differing
 from exoid.diagnosis.evidence.enough_motion import little_motion
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
 from exoid.diagnosis.evidence.own_sway import OwnSway
@@ -22,8 +22,9 @@ from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
-from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Suspect
+from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.recordings import Belonging
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
@@ -59,6 +60,21 @@ def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> 
     found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
     both = [found, *(one for one in possible if one.effect != SWAY)]
     return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
+
+
+def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel) -> Diagnosis:
+    """Return an answer beside what belongs to recordings; `given` is the model without it."""
+    first, *rest = answer.steps
+    step = Step("base", given.train_rms, given.verify_rms)
+    names = " + ".join(dict.fromkeys(one.what for one in told))
+    sentences = " ".join(f"{one.sentence}." for one in told)
+    return replace(
+        answer,
+        sentence=f"{sentences} Beside that: {answer.sentence}",
+        steps=(step, replace(first, label=f"+ {names}", sentence=sentences), *rest),
+        of_recordings=tuple(told),
+        given=given,
+    )
 
 
 def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
@@ -114,7 +130,6 @@ def write_up(
     steps = steps_of(extensions, [one.sentence for one in accepted])
     named = {a.name: a for a in accepted}
     silent = conclusion.verdict == "check_channels" or conclusion.outside  # what is compared is not the machine's
-    told_apart = () if silent else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     told = conclusion.outside or any(map(is_reading, done.found.state.names))  # the answer says more than the audit can
     length = None if told else wanted_thigh_length(last.fitted.fit, prepared)
     power = _power(done) if conclusion.verdict == "adequate" else ()
@@ -147,7 +162,7 @@ def write_up(
         cutoff=prepared.choice.reason,
         stopped_because=conclusion.stopped_because,
         biased=biased_parameters(extensions[0].fitted.fit, last.fitted.fit),
-        differing=told_apart,
+        outside=conclusion.outside,
         error=conclusion.error,
         possible=possible,
         rules=done.context.rules,

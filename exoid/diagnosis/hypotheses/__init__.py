@@ -1,0 +1,88 @@
+"""What else than an effect may be the matter: one file per hypothesis, found by reading the folder.
+
+A hypothesis changes the *prediction*, never the measured torque: it proposes columns that are added to the model's
+torque, each times a number that belongs to a recording (the zero of its torque sensor) or to some recordings together
+(a load that they carry). What they are worth is judged where they were not learnt (`exoid.diagnosis.search.recordings`).
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+
+from exoid.ground.folder import modules_in
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A model on one recording: its `columns` (J, K, P) at its `linear` numbers (P,), its `torque` (J, K) N·m, at the
+    times `t` (K,) s; filtered like the measured torque, or before the filter.
+    """
+
+    model: Model
+    linear: Float
+    columns: Float
+    torque: Float
+    t: Float
+
+
+def _alone(at: float) -> Float:
+    return np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """One thing that may belong to recordings: `what` at a `place` (a joint or link; None for all), in `unit`.
+
+    The prediction gains its number times `pieces(seen)` (J, K, m) mixed by `mix(node)` (m,), at one of the `nodes`
+    (V,). The number lies within `bounds`, and is told from `usual` on: 1 for a factor. `everyone`: each recording has
+    one of its own; otherwise those have that differ from the others, and all the same where it is `shared`.
+    """
+
+    what: str
+    place: str | None
+    unit: str
+    pieces: Callable[[Seen], Float]
+    bounds: tuple[float, float]
+    usual: float = 0.0
+    everyone: bool = False
+    shared: bool = False
+    nodes: tuple[float, ...] = (0.0,)
+    mix: Callable[[float], Float] = _alone
+
+
+@cache
+def hypotheses() -> dict[str, ModuleType]:
+    """Return the modules of this folder by name. Each has `claims(model)`, what it proposes for a model's machine, and
+    `said(place, values, nodes)`, a sentence about numbers {recording: words} of one claim.
+    """
+    return modules_in(sys.modules[__name__])
+
+
+def claims_of(model: Model) -> tuple[Claim, ...]:
+    """Return what all hypotheses propose for the machine of a model."""
+    found: Sequence[Sequence[Claim]] = [one.claims(model) for one in hypotheses().values()]
+    return tuple(claim for some in found for claim in some)
+
+
+def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Float]:
+    """Return pieces (J, K, 1) that are `torque` (K,) at one joint (index) and nothing at the others."""
+
+    def pieces(seen: Seen) -> Float:
+        out = np.zeros((*seen.torque.shape, 1))
+        out[joint, :, 0] = torque(seen)
+        return out
+
+    return pieces
+
+
+def listed(values: dict[str, str]) -> str:
+    """Return "run_0 0.91 ± 0.02, run_2 0.2 ± 0.02"."""
+    return ", ".join(f"{name} {text}" for name, text in values.items())

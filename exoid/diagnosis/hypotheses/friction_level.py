@@ -1,0 +1,33 @@
+"""A joint is stiffer or easier to move in some recordings, cold or freshly greased: all its friction times a number."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, listed
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+
+def claims(model: Model) -> tuple[Claim, ...]:
+    """Return another level of each joint's friction, a factor to the others' level."""
+    return tuple(
+        Claim("friction_level", joint.name, "1", at_joint(k, partial(_friction, k)), (-1.0, 4.0), usual=1.0)
+        for k, joint in enumerate(model.joints)
+    )
+
+
+def _friction(joint: int, seen: Seen) -> Float:
+    """Return the friction (K,) of one joint: of the base model, and what friction has been added there."""
+    model = seen.model
+    own = {term.name for term in model.terms if term.effect.family == "friction"}
+    base = range(model.friction.start, model.friction.stop)
+    which = [k for k, one in enumerate(model.parameters) if k in base or one.term in own]
+    return np.asarray(seen.columns[joint][:, which] @ seen.linear[which])
+
+
+def said(place: str | None, values: dict[str, str], where: str) -> str:
+    """Return which levels the recordings have."""
+    return f"The friction of the {place} is another than in the other recordings: {listed(values)} times as much"

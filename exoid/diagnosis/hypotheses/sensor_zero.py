@@ -1,0 +1,22 @@
+"""The torque sensor's zero is set anew before each recording."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid.diagnosis.hypotheses import Claim, at_joint, listed
+from exoid.symbolic.model import Model
+
+
+def claims(model: Model) -> tuple[Claim, ...]:
+    """Return a zero of each torque sensor in every recording."""
+    return tuple(
+        Claim("sensor_zero", joint.name, joint.unit("tau"), at_joint(k, lambda seen: np.ones(len(seen.t))),
+              (-np.inf, np.inf), everyone=True)
+        for k, joint in enumerate(model.joints)
+    )  # fmt: skip
+
+
+def said(place: str | None, values: dict[str, str], where: str) -> str:
+    """Return which zeros the recordings have."""
+    return f"The {place} torque sensor has another zero in each recording: {listed(values)}"
