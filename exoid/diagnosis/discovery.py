@@ -12,8 +12,9 @@ import numpy as np
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, apart, explained_alone, still_apart, why_apart
 from exoid.diagnosis.evidence.channels import doubts_after
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, lag
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.own_sway import own_sway
+from exoid.diagnosis.evidence.score import above_noise
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.question import Question
@@ -22,8 +23,8 @@ from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import DELAY
-from exoid.diagnosis.search.recordings import own_numbers
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
+from exoid.diagnosis.search.recordings import better, own_numbers
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from exoid.diagnosis.splits import from_scratch
@@ -83,30 +84,35 @@ def answer_of(
     base = question.fitted(recordings, verify, tick, prepared)
     answer = _of_machine(question, base, recordings, verify, tick, found, began)
     rules, given = question.rules, base.prepared
-    last = fitted_model(answer.fit, given)
+    last = _on(answer.fit, given)
     own = None if given.misread or answer.outside else own_numbers(last, rules)
     own = own and (own_numbers(base, rules) or own)
+    if own is None:
+        return answer
     for _ in range(ROUNDS):
-        if own is None:
-            return answer
         beside = replace(question, own=own)
         fitted = beside.fitted(recordings, verify, tick, own.applied(given))
         rival = _of_machine(beside, fitted, recordings, verify, tick, found, began)
-        explained = fitted_model(rival.fit, own.applied(given))
-        again = own_numbers(fitted_model(rival.fit, given), rules)
-        if again is None or again.agrees(own):
-            break
+        explained = _on(rival.fit, own.applied(given))
+        again, before = own_numbers(_on(rival.fit, given), rules) or own, own
         own = again
+        if again.agrees(before):
+            break
     told = own.without([one.recording for one in rival.left_out])
-    if not told or rival.verdict == "check_channels" or not _better(last, explained, rules):
+    if not told or rival.verdict == "check_channels" or not better(last, explained, rules):
+        return answer
+    # One effect of the machine that explains nearly as much as many numbers of recordings is the plainer answer.
+    share = above_noise(base.evaluation_rms, explained.evaluation_rms)
+    if max((one.explained_share for one in answer.suspects), default=0.0) >= rules.most * share:
         return answer
     return with_own(rival, told, base)
 
 
-def _better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
-    """Whether a model beside what belongs to recordings clearly predicts better than the `last` one without."""
-    once, then = (one.block_losses(last.scale, rules) for one in (last, rival))
-    return lag(once, then) >= rules.clear and then.sum() <= (1.0 - rules.worth_telling) * once.sum()
+def _on(fit: Fit, prepared: Prepared) -> FittedModel:
+    """Return a model on all recordings, whichever of them it was fitted to."""
+    if len(fit.shapes) != len(prepared.train):
+        fit = replace(fit, shapes=np.broadcast_to(fit.shape, (len(prepared.train), len(fit.shape))))
+    return fitted_model(fit, prepared)
 
 
 def _of_machine(

@@ -283,7 +283,8 @@ class Diagnosis(Reported, AsJson):
     def headline(self) -> str:
         """The answer in a line: "Found: end stop at the hip, 35 N·m/rad ...; very sure"."""
         if self.verdict not in ("missing", "ambiguous"):
-            return HEADLINES[self.verdict]
+            own = self.verdict == "adequate" and self.of_recordings
+            return f"{HEADLINES[self.verdict]}, beside what belongs to recordings" if own else HEADLINES[self.verdict]
         told, alike = self._told_apart
         parts = [*(one.sentence for one in told), self.sureness] if told else []
         if alike:

@@ -146,8 +146,9 @@ class Rules:
     curve_ridge: float = _rule(
         EFFORT, 3e-2, "relative ridge of a curve: parts that the model nearly contains run wild"
     )
-    differing_named: int = _rule(EFFORT, 8, "differences named at most")
-    differing_recordings: int = _rule(EFFORT, 24, "recordings at most; beyond, a single one no longer matters")
+    own_recordings: int = _rule(
+        EFFORT, 24, "recordings at most of which numbers of their own are asked; beyond, a single one no longer matters"
+    )
     whole_seconds: float = _rule(EFFORT, 900.0, "seconds that are searched as a whole; beyond, memory runs out")
     stretch_seconds: float = _rule(EFFORT, 30.0, "length of a stretch of a longer recording, s")
     searched_seconds: float = _rule(EFFORT, 600.0, "seconds searched of longer recordings; half as much to verify")

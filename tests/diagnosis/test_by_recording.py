@@ -1,4 +1,4 @@
-"""A recording that contradicts the others is named, with what it and what they say; none is named otherwise."""
+"""What belongs to a recording (a zero, a load, a gain, its friction) is named as that, and no effect instead."""
 
 from __future__ import annotations
 
@@ -7,51 +7,129 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.diagnosis.evidence.consistency import differing
+from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
-from exoid.measurement.bench.hidden import parse_hidden
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.search.recordings import own_numbers
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
+from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
-MODEL = Model.standard().with_effect("viscous_quadratic:knee")
-
-
-@pytest.fixture(scope="module")
-def recordings():
-    """Four runs, each 20 s, of a leg with quadratic damping at the knee; the last with twice as much of it."""
-    usual = simulate_runs(3, None, standard_leg(), effects=[parse_hidden("viscous_quadratic:knee=2")], seed=3)
-    more = simulate_runs(4, None, standard_leg(), effects=[parse_hidden("viscous_quadratic:knee=4")], seed=3)
-    return [run.recording for run in usual], more[3].recording
+AXIS = Model("drive", joints=(Joint("axis"),))
+NUMBERS = np.array([0.3, 3.0, 1.2, 0.5])
 
 
-def asked(recordings):
-    prepared = prepare(MODEL, recordings)
-    now = fitted_model(identify(MODEL, prepared.train, optimisers=()), prepared)
-    return differing(now, now.evidence(seed=0, draws=0))
+def drive(k, numbers=NUMBERS, zero=0.0, gain=1.0, model=AXIS):
+    """Return 15 s of one joint that swings by two sines, each recording by others."""
+    t, parts = np.arange(0.0, 15.0, 0.01), np.zeros((3, 1500, 1))
+    for size, pace, phase in ((0.8, 2.0 + 0.2 * k, 0.0), (0.4, 5.1 - 0.3 * k, float(k))):
+        sine, cosine = np.sin(pace * t + phase), np.cos(pace * t + phase)
+        parts[:, :, 0] += size * np.array([sine, pace * cosine, -(pace**2) * sine])
+    tau = gain * model.torque(Motion(t, *parts), np.asarray(numbers), None) + zero
+    rng = np.random.default_rng(k)
+    seen = tau + 0.05 * rng.standard_normal(tau.shape)
+    return Recording(f"run_{k}", t, parts[0] + 1e-5 * rng.standard_normal(tau.shape), seen, joints=AXIS.joints)
 
 
-def test_nothing_differs_where_nothing_was_changed(recordings):
-    assert asked(recordings[0]) == ()
+def told(found):
+    """Return {what: {recording: value}}, after every interval was found to be one."""
+    for one in found.of_recordings:
+        assert all(e.low < e.value < e.high for e in one.values.values())
+    return {one.what: {name: e.value for name, e in one.values.items()} for one in found.of_recordings}
 
 
-def test_an_effect_of_another_size_is_named(recordings):
-    usual, more = recordings
-    (one,) = [d for d in asked([*usual, more]) if d.name.startswith("viscous_quadratic")]
-    assert one.recording == more.name
-    assert one.value == pytest.approx(4.0, abs=0.5) and one.others == pytest.approx(2.0, abs=0.3)
-    assert "in the others" in one.sentence and one.to_json()["sentence"] == one.sentence
+def test_where_nothing_differs_nothing_is_said():
+    found = discover(AXIS, [drive(k) for k in range(3)], drive(3))
+    assert found.verdict == "adequate" and found.of_recordings == () and len(found.steps) == 1
+    assert found.to_json()["of_recordings"] == []
 
 
-def test_another_zero_of_a_torque_sensor_is_named(recordings):
-    usual = recordings[0]
-    moved = replace(usual[1], tau=usual[1].tau + np.array([0.0, -0.8]))
-    (one,) = asked([usual[0], moved, usual[2]])
-    assert (one.recording, one.name) == (usual[1].name, "zero:knee")
-    assert one.value == pytest.approx(-0.8, abs=0.15) and "below" in one.sentence
+@pytest.mark.parametrize("held", [0, 3])
+def test_zeros_set_anew_are_told_and_the_rest_is_adequate(held):
+    zeros = (0.9, -0.6, 0.2, -1.1)
+    runs = [drive(k, zero=zero) for k, zero in enumerate(zeros)]
+    found = discover(AXIS, [*runs[:held], *runs[held + 1 :]], runs[held])
+    assert found.verdict == "adequate" and not found.left_out
+    assert told(found)["sensor_zero"] == pytest.approx({f"run_{k}": z for k, z in enumerate(zeros)}, abs=0.05)
+    assert [step.label for step in found.steps] == ["base", "+ sensor_zero"]
+    assert found.steps[1].verify_rms < 0.2 * found.steps[0].verify_rms
+    (one,) = found.to_json()["of_recordings"]
+    assert one["sentence"] in found.sentence and one["joint"] == "axis" and one["unit"] == "N·m"
 
 
-def test_a_single_recording_has_no_others(recordings):
-    assert asked(recordings[0][:1]) == ()
+def test_an_effect_is_found_beside_them():
+    model = AXIS.with_effect("viscous_quadratic:axis")
+    runs = [drive(k, [*NUMBERS, 0.4], z, model=model) for k, z in enumerate((0.9, -0.6, 0.2, -1.1))]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert [one.name for one in found.accepted] == ["viscous_quadratic:axis"] and set(told(found)) == {"sensor_zero"}
+    assert found.accepted[0].parameters["c"].value == pytest.approx(0.4, abs=0.05)
+
+
+def test_the_same_zero_in_all_recordings_is_an_effect_of_the_machine():
+    found = discover(AXIS, [drive(k, zero=0.8) for k in range(3)], drive(3, zero=0.8))
+    assert found.of_recordings == () and found.verdict != "adequate"
+
+
+@pytest.mark.parametrize("heavy", [(3,), (0, 3), (0, 1, 2)])
+def test_a_load_is_weighed_and_placed_whoever_carries_it(heavy):
+    runs = [drive(k, NUMBERS + (k in heavy) * added(1.5, 0.3)) for k in range(4)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert found.verdict == "adequate"
+    assert told(found)["carried_load"] == pytest.approx({f"run_{k}": 1.5 for k in heavy}, abs=0.1)
+    (one,) = found.of_recordings
+    assert one.place.value == pytest.approx(0.3, abs=0.02) and "axis" in one.sentence
+
+
+def added(mass, place):
+    out = np.zeros(4)
+    out[:2] = AXIS.mixture[:, 0] @ (mass * np.array([place**2, place, 1.0]))
+    return out
+
+
+def test_another_gain_and_another_level_of_friction():
+    usual = [drive(k) for k in range(3)]
+    gained = discover(AXIS, [*usual, drive(4)], drive(3, gain=1.2))
+    assert gained.verdict == "adequate" and told(gained) == {"torque_gain": pytest.approx({"run_3": 1.2}, abs=0.02)}
+    stiff = discover(AXIS, [*usual, drive(4, NUMBERS * [1.0, 1.0, 1.5, 1.5])], drive(3))
+    assert stiff.verdict == "adequate" and told(stiff) == {"friction_level": pytest.approx({"run_4": 1.5}, abs=0.04)}
+
+
+@pytest.mark.shows("own_recordings")
+def test_a_single_recording_has_no_others_and_of_many_one_does_not_matter():
+    def asked(runs, **rules):
+        prepared = prepare(AXIS, runs)
+        now = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
+        return own_numbers(now, replace(RULES, **rules))
+
+    runs = [drive(k, zero=z) for k, z in enumerate((0.9, -0.6, 0.2))]
+    assert asked(runs[:1]) is None and asked(runs, own_recordings=2) is None
+    assert [one.what for one in asked(runs).told] == ["sensor_zero"]
+
+
+def test_which_of_the_halves_is_held_out_has_no_say_in_its_own_numbers():
+    runs = [drive(k, zero=z) for k, z in enumerate((0.9, -0.6, 0.2))]
+    prepared = prepare(AXIS, runs[:2], runs[2:])
+    now = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
+    first = own_numbers(now)
+    late = runs[2].tau.copy()
+    late[: len(late) // 2] += 0.3  # the first half alone: what judges it must not know
+    spoilt = prepare(AXIS, runs[:2], [replace(runs[2], tau=late)])
+    second = own_numbers(fitted_model(now.fit, spoilt))
+    assert second.judged[2, 0] == pytest.approx(first.judged[2, 0], abs=0.02)
+    assert second.judged[2, 1, 2] > first.judged[2, 1, 2] + 0.2
+
+
+@pytest.mark.slow
+def test_a_leg_with_a_box_on_its_shank():
+    leg = standard_leg()
+    bare, heavy = (simulate_runs(4, None, one, seed=3) for one in (leg, leg.with_payload(2.0, 0.3)))
+    runs = [(heavy if k in (1, 3) else bare)[k].recording for k in range(4)]
+    found = discover(Model.standard(), runs[:3], runs[3])
+    assert found.verdict == "adequate" and told(found) == {
+        "carried_load": pytest.approx({"run_1": 2.0, "run_3": 2.0}, abs=0.1)
+    }

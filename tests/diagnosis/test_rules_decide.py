@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from copy import copy
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -13,7 +12,6 @@ from synthetic import search, state_with
 
 import exoid.diagnosis.discovery  # noqa: F401
 from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.consistency import differing
 from exoid.diagnosis.evidence.score import admissible, harmless
 from exoid.diagnosis.evidence.stability import Splits
 from exoid.diagnosis.results import Accepted, Possible
@@ -208,21 +206,3 @@ def test_what_a_fifth_of_the_splits_supports_is_listed_as_possible(accepted, lis
         doubts={("now", score.name): Objection("its interval contains zero") for score in scores},
     )
     assert len(possible_of(context, SimpleNamespace(last=None, banned=()), True)) == listed
-
-
-@pytest.mark.shows("differing_named", "differing_recordings")
-def test_differences_are_named_up_to_a_number_and_where_one_recording_still_matters():
-    """Of four recordings one has an offset at the knee a fifth larger than the others."""
-    context = search(
-        {"torque_offset:knee": ([0.5], [])}, ["torque_offset:knee"], scales=(1.0, 1.0, 1.0, 1.2), noise=0.05
-    )
-    last = state_with(context, "torque_offset:knee").last
-
-    def named(**rules):
-        evidence = copy(context.evidence(last, draws=0))
-        evidence.rules = replace(RULES, **rules)
-        return [one.recording for one in differing(last.fitted, evidence)]
-
-    assert set(named()) == {"run_3"}
-    assert len(named(differing_named=1)) == 1
-    assert named(differing_recordings=3) == []

@@ -11,7 +11,6 @@ from synthetic import search, state_with
 from exoid.diagnosis.evidence import look_alikes, placebo, ranking
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.consistency import _Pooled, _Question, differing
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.look_alikes import block_losses, gains_beside, refine
@@ -302,37 +301,3 @@ def test_what_hardly_convinces_at_a_node_is_asked_at_its_best_place(monkeypatch)
         wave = at(noise(1), noise(2))
         found = ranking.agreed(SimpleNamespace(rules=RULES), [score], {"it": wave}, SimpleNamespace())
         assert found[0].steady is steady
-
-
-# -- consistency ----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.shows("worth_telling", "little")
-@pytest.mark.parametrize(
-    ("share", "change", "named"), [(0.06, 0.3, True), (0.04, 0.3, False), (0.06, 0.15, False), (0.2, 0.3, True)]
-)
-def test_a_difference_is_named_that_matters_and_is_large(share, change, named, monkeypatch):
-    """The last recording wants the offset of the knee larger by `change`, which explains `share` of its error."""
-    context = search({"torque_offset:knee": ([0.5], [])}, ["torque_offset:knee"], noise=0.05)
-    last = state_with(context, "torque_offset:knee").last
-    index = [p.name for p in last.fitted.model.parameters].index("torque_offset:knee.c")
-    offset = float(last.fitted.linear[index])
-
-    def answer(self, number, question):
-        if (number, question.index) != (3, index):
-            return None
-        return change * offset, 1e-6, share, np.zeros(last.fitted.linear.size)
-
-    monkeypatch.setattr(_Pooled, "answer", answer)
-    assert len(differing(last.fitted, context.evidence(last, draws=0))) == named
-
-
-@pytest.mark.shows("negligible")
-@pytest.mark.parametrize(("left", "told"), [(0.0007, False), (0.003, True)])
-def test_what_the_other_numbers_take_over_cannot_differ(left, told):
-    """A number that nearly all other numbers of the model can take the place of, in the one recording that has it."""
-    own, other = orthonormal(noise(13), noise(14))
-    both = np.column_stack([own, np.sqrt(1.0 - left) * own + np.sqrt(left) * other])
-    runs = [block(noise(15), columns=both), block(noise(16), columns=np.zeros((1000, 2)))]
-    pooled = _Pooled(runs, np.ones(1), np.array([0.0, 1e6]), RULES)
-    assert (pooled.answer(0, _Question("b", 1.0, "", 1)) is not None) is told

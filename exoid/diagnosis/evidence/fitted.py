@@ -107,11 +107,18 @@ class FittedModel:
 
     def joint_losses(self, scale: Float, rules: Rules = RULES) -> Float:
         """Return that loss joint by joint (J, blocks)."""
+        return np.concatenate(self._losses(scale, rules), axis=1)
+
+    def recording_losses(self, scale: Float, rules: Rules = RULES) -> list[Float]:
+        """Return the loss in blocks of each recording, all joints together."""
+        return [one.sum(axis=0) for one in self._losses(scale, rules)]
+
+    def _losses(self, scale: Float, rules: Rules) -> list[Float]:
         out = []
         for residual, one in zip(self.residuals, self.prepared.all, strict=True):
             loss = huber_terms(np.where(one.used, np.abs(residual), 0.0) / scale[:, None], rules.robust)
             out.append(np.add.reduceat(loss, one.starts(rules.block_seconds), axis=1))
-        return np.concatenate(out, axis=1)
+        return out
 
     @property
     def per_recording(self) -> list[tuple[str, Float]]:

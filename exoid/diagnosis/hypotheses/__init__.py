@@ -2,7 +2,8 @@
 
 A hypothesis changes the *prediction*, never the measured torque: it proposes columns that are added to the model's
 torque, each times a number that belongs to a recording (the zero of its torque sensor) or to some recordings together
-(a load that they carry). What they are worth is judged where they were not learnt (`exoid.diagnosis.search.recordings`).
+(a load that they carry). What they are worth is judged where they were not learnt
+(`exoid.diagnosis.search.recordings`).
 """
 
 from __future__ import annotations
@@ -61,7 +62,8 @@ class Claim:
 @cache
 def hypotheses() -> dict[str, ModuleType]:
     """Return the modules of this folder by name. Each has `claims(model)`, what it proposes for a model's machine, and
-    `said(place, values, nodes)`, a sentence about numbers {recording: words} of one claim.
+    `said(place, values, where)`, a sentence about the numbers {recording: words} of one claim; `where` is the place of a
+    load in words, or "".
     """
     return modules_in(sys.modules[__name__])
 

@@ -10,16 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
-from exoid.diagnosis.evidence.fitted import FittedModel, lag
-from exoid.diagnosis.evidence.gain import RecordingEvidence, pooled_scale
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.evidence.gram import inverse_of
-from exoid.diagnosis.evidence.model_error import sensor_noise
 from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, hypotheses
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.plain import AsJson
@@ -87,10 +85,10 @@ class Own:
         """Return recordings without the torque that belongs to them alone; of held-out ones each half without what the
         other half says.
         """
-        count, every = len(prepared.train), [self._applied(one, k >= len(prepared.train)) for k, one in enumerate(prepared.all)]
-        return replace(prepared, train=tuple(every[:count]), verify=tuple(every[count:]))
+        train = tuple(self._applied(one, unseen=False) for one in prepared.train)
+        return replace(prepared, train=train, verify=tuple(self._applied(one, unseen=True) for one in prepared.verify))
 
-    def _applied(self, one: PreparedRecording, unseen: bool) -> PreparedRecording:
+    def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
         index = self._index.get(one.name)
         if index is None or not any(index in group for held in self.held for group in held.groups):
             return one
@@ -128,17 +126,36 @@ class Own:
 
 
 def own_numbers(now: FittedModel, rules: Rules = RULES) -> Own | None:
-    """Return what belongs to recordings beside a model; None where nothing does, where there is only one recording, and
-    where the error of every one is near the noise.
+    """Return what belongs to recordings beside a model; None where nothing does, and where there is only one recording.
     """
-    floor = sensor_noise(now.prepared)
     names = [one.name for one in now.prepared.all]
-    near = all(np.all(rms <= rules.near_noise * floor) for _, rms in now.per_recording)
-    if near or len(set(names)) < len(names) or not 2 <= len(names) <= rules.differing_recordings:
+    if len(set(names)) < len(names) or not 2 <= len(names) <= rules.own_recordings:
         return None
     question = _Recordings(now, rules)
     held = question.found()
     return question.written(held) if held else None
+
+
+def better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
+    """Whether a model beside what belongs to recordings predicts clearly better than the `last` one without."""
+    once, then = (one.recording_losses(last.scale, rules) for one in (last, rival))
+    return _total(then) <= (1.0 - rules.worth_telling) * _total(once) and clearer(once, then) >= rules.clear
+
+
+def clearer(once: Sequence[Float], then: Sequence[Float]) -> float:
+    """Return by how many standard errors losses `then`, blocks of each recording, are below `once`.
+
+    What belongs to a recording shows there and nowhere else: blocks are compared with those of their own recording.
+    """
+    falls = [a - b for a, b in zip(once, then, strict=True)]
+    fall = float(sum(one.sum() for one in falls))
+    spread = float(np.sqrt(sum(np.sum((one - one.mean()) ** 2) for one in falls)))
+    least = 1e-9 * float(sum(one.sum() for one in once))
+    return fall / max(spread, least) if abs(fall) > least else 0.0
+
+
+def _total(losses: Sequence[Float]) -> float:
+    return float(sum(one.sum() for one in losses))
 
 
 class _Recordings:
@@ -162,7 +179,7 @@ class _Recordings:
         ]
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
         questions = sum(1 if one.everyone else len(self.blocks) for one in self.claims)
-        self.clear = max(rules.clear, NormalDist().inv_cdf(1.0 - rules.level / questions))
+        self.clear = max(rules.clear, NormalDist().inv_cdf(1.0 - rules.strict_level / questions))
         """Standard errors by which one of so many claims is better, not by chance."""
         self.grams = self._weighted(())
 
@@ -240,21 +257,21 @@ class _Recordings:
             out.append(np.concatenate([rows[:, :half] @ own[0], rows[:, half:] @ own[1]], axis=1))
         return out
 
-    def losses(self, state: State) -> Float:
-        """Return the Huber loss in blocks, each half judged by numbers of the other halves."""
+    def losses(self, state: State) -> list[Float]:
+        """Return the Huber loss in blocks of each recording, each half judged by numbers of the other halves."""
         sums = self._sums(state).sum(axis=0)
         left = self._left(state, [self._solved(sums[other])[0] for other in (1, 0)])
         out = []
         for r, block in zip(left, self.blocks, strict=True):
             size = huber_terms(np.abs(r) / self.sigma[:, None], self.rules.robust)
             out.append(np.add.reduceat(size.sum(axis=0), block.starts(self.rules.block_seconds)))
-        return np.concatenate(out)
+        return out
 
     def pays(self, before: State, after: State, clear: float) -> bool:
         """Whether `after` predicts the other halves clearly better than `before`, and by a part worth telling."""
         once, then = self.losses(before), self.losses(after)
-        enough = float(then.sum()) <= (1.0 - self.rules.worth_telling) * float(once.sum())
-        return enough and bool(np.isfinite(self.loss(after))) and lag(once, then) >= clear
+        enough = _total(then) <= (1.0 - self.rules.worth_telling) * _total(once)
+        return enough and bool(np.isfinite(self.loss(after))) and clearer(once, then) >= clear
 
     # -- the search -------------------------------------------------------------------------------------------
 
@@ -263,16 +280,16 @@ class _Recordings:
         state: State = ()
         every = tuple((k,) for k in range(len(self.blocks)))
         for claim in self.claims:
-            longer = (*state, Held(claim, claim.nodes[0], every))
-            if claim.everyone and self.pays(state, longer, self.clear):
-                state = longer
+            own = Held(claim, claim.nodes[0], every)
+            if claim.everyone and self.pays(self._needless(state, own), (*state, own), self.clear):
+                state = (*state, own)
         while True:
             self._weighted(state)
-            grown = [self._grown(state, held) for held in self._promising(state)]
-            best = least_of(grown, lambda one: self.loss((*state, one)), 1.0) if grown else None
-            if best is None or not self.pays(state, (*state, best), self.clear):
+            longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
+            best = least_of(longer, self.loss, 1.0) if longer else state
+            if not self.pays(state, best, self.clear):
                 break
-            state = (*state, best)
+            state = best
         self._weighted(state)
         return self._pruned(state)
 
@@ -287,10 +304,12 @@ class _Recordings:
         for c, (claim, node) in enumerate(nodes):
             mixed[self.place[id(claim)], c] = claim.mix(node)
         low, high = np.array([claim.bounds for claim, _ in nodes]).T
+        # What one recording has less of all others have more of, where the model's own numbers hold what all have.
+        low = np.where([claim.shared for claim, _ in nodes], -high, low)
         sums, chosen = self._sums(state), self._chosen(state)
         total = sums.sum(axis=0)
         now = 0.0
-        losses = np.zeros((len(self.blocks), len(nodes)))
+        losses, numbers = np.zeros((2, len(self.blocks), len(nodes)))
         solved = [self._solved(total[own]) for own in (0, 1)]
         for own, other in ((0, 1), (1, 0)):
             step, inverse = solved[own]
@@ -306,12 +325,15 @@ class _Recordings:
                 moved = np.vstack([-(step[:, None] - lean * number), np.ones(len(nodes))])
                 left = np.einsum("qn,qr,rn->n", moved, total[other], moved, optimize=True)
                 left += number**2 * square[1] - 2.0 * number * np.sum(moved * held, axis=0)
+                numbers[k] += number
                 losses[k] += np.where((low <= number) & (number <= high), left, np.inf)
         best: list[tuple[float, Held]] = []
         for claim in free:
             mine = [c for c, (one, _) in enumerate(nodes) if one is claim]
             k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
-            best.append((float(losses[k, mine[c]]), Held(claim, claim.nodes[c], ((k,),))))
+            less = claim.shared and numbers[k, mine[c]] < 0.0
+            group = tuple(j for j in range(len(self.blocks)) if (j == k) != less)
+            best.append((float(losses[k, mine[c]]), Held(claim, claim.nodes[c], (group,))))
         useful = [one for one in best if one[0] < now]
         return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
 
@@ -319,22 +341,27 @@ class _Recordings:
         """Return a claim with as many recordings as clearly have it."""
         held = self._placed(state, held)
         while True:
-            inside = {k for group in held.groups for k in group}
-            outside = [k for k in range(len(self.blocks)) if k not in inside]
-            if len(outside) < 2:  # the rest says what is usual
+            others = self._others(held)
+            if not others:
                 return held
-            longer = [self._with(held, k) for k in outside]
-            best = self._placed(state, least_of(longer, lambda one: self.loss((*state, one)), 1.0))
+            best = self._placed(state, least_of(others, lambda one: self.loss((*state, one)), 1.0))
             clear = self.rules.clear if held.claim.shared else self.clear
             once, then = self.losses((*state, held)), self.losses((*state, best))
-            if not np.isfinite(self.loss((*state, best))) or lag(once, then) < clear:
+            if not np.isfinite(self.loss((*state, best))) or clearer(once, then) < clear:
                 return held
             held = best
 
-    @staticmethod
-    def _with(held: Held, k: int) -> Held:
-        groups = ((*held.groups[0], k),) if held.claim.shared else (*held.groups, (k,))
-        return replace(held, groups=tuple(tuple(sorted(group)) for group in groups))
+    def _others(self, held: Held) -> list[Held]:
+        """Return a claim with one recording more; of a number that is shared, also with one less. One recording at
+        least says what is usual.
+        """
+        every = range(len(self.blocks))
+        if held.claim.shared:
+            toggled = [tuple(j for j in every if (j in held.groups[0]) != (j == k)) for k in every]
+            return [replace(held, groups=(one,)) for one in toggled if 0 < len(one) < len(every)]
+        inside = {k for group in held.groups for k in group}
+        longer = [tuple(sorted((*held.groups, (k,)))) for k in every if k not in inside]
+        return [replace(held, groups=one) for one in longer if len(one) < len(every)]
 
     def _placed(self, state: State, held: Held) -> Held:
         """Return a claim at the node that fits best."""
@@ -354,13 +381,23 @@ class _Recordings:
     def _pruned(self, state: State) -> State:
         """Return the claims that are not needless beside the others."""
         while len(state) > 1:
-            shorter = [tuple(one for one in state if one is not out) for out in state]
-            losses = [self.losses(one) for one in shorter]
-            best = index_of_least([float(one.sum()) for one in losses])
-            if self.pays(shorter[best], state, self.clear):
+            rivals = [self._needless(tuple(one for one in state if one is not out), out) for out in state]
+            best = index_of_least([_total(self.losses(one)) for one in rivals])
+            if self.pays(rivals[best], state, self.clear):
                 break
-            state = shorter[best]
+            state = rivals[best][: len(state) - 1]
         return state
+
+    def _needless(self, rest: State, held: Held) -> State:
+        """Return what explains as much where a claim is needless: nothing, or of what everyone has, the same number in
+        all recordings; that is the machine's, and has its place in the catalogue.
+        """
+        same = tuple(range(len(self.blocks)))
+        rest = (*rest, replace(held, groups=(same,))) if held.claim.everyone else rest
+        for one in rest:
+            others = tuple(other for other in rest if other is not one)
+            rest = tuple(self._placed(others, other) if other is one else other for other in rest)
+        return rest
 
     # -- numbers ----------------------------------------------------------------------------------------------
 
@@ -414,11 +451,12 @@ class _Recordings:
         unit, place = claim.unit, None
         if len(claim.nodes) > 1:
             known, numbers, unit, place = spread.load(claim, held.node, float(numbers[0]), at, self.rules)
-        values = {
-            names[k]: Estimate(claim.what, claim.usual + float(x), unit, claim.usual + float(x) - w, claim.usual + float(x) + w)
-            for group, x, w in zip(held.groups, numbers, known, strict=True)
+        found = {
+            names[k]: Estimate(claim.what, x, unit, x - w, x + w)
+            for group, x, w in zip(held.groups, claim.usual + numbers, known, strict=True)
             for k in group
         }
+        values = {name: found[name] for name in sorted(found)}
         said = {name: _said(e) for name, e in values.items()}
         where = "" if place is None else f" at {_said(place)}"
         sentence = hypotheses()[claim.what].said(claim.place, said, where)

@@ -134,7 +134,7 @@ class PreparedRecording:
         return self.without(spikes_beside(self.read.tau, known, self.rate, self.read.missing, averaged=averaged))
 
     def beside_own(self, known: Float) -> PreparedRecording:
-        """Return the recording beside a torque `known` (N, J) N·m that belongs to it alone: what is left for a model."""
+        """Return the recording without a torque `known` (N, J) N·m that belongs to it alone and to no model."""
         read = None if self.read is None else replace(self.read, tau=self.read.tau - known)
         new = replace(self, torque=self.torque - self.smooth(known), wide_tau=self.wide_tau - known, read=read)
         vars(new)["_bridges"] = self._bridges  # the same samples are hidden

@@ -148,8 +148,6 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
         screen.say(f"left over: {left['joint']}, depends on {', '.join(left['variables'])}", "warn")
         for text in left.get("suggested_terms", ()):
             screen.say(f"  worth trying as an effect of your own: torque = {text!r}")
-    for one in result.get("differing", ()):
-        screen.say(f"differs: {one['sentence']}", "warn")
     if found.stopped_because:
         screen.say(f"stopped: {found.stopped_because}", "faint")
     if found.next_experiment:

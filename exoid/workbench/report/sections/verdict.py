@@ -40,7 +40,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "possible": [f"{title(term(p), material.model)}: {p['reason']}" for p in said.get("possible", ())],
         "next_experiment": "" if found is None else str(found.next_experiment or ""),
         "biased": [] if found is None else list(found.biased),
-        "differing": [d["sentence"] for d in said.get("differing", ())],
+        "of_recordings": [one["sentence"] for one in said.get("of_recordings", ())],
         "ending": "" if found is None else found.stopped_because,
         "truth": material.truth,
         "pictures": material.pictures_in("verdict"),
