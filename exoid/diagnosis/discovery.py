@@ -14,7 +14,6 @@ from exoid.diagnosis.evidence.apart import OTHERS, apart, explained_alone, still
 from exoid.diagnosis.evidence.channels import doubts_after
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.own_sway import own_sway
-from exoid.diagnosis.evidence.score import above_noise
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.question import Question
@@ -24,13 +23,14 @@ from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import DELAY
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
-from exoid.diagnosis.search.recordings import better, own_numbers
+from exoid.diagnosis.search.recordings import better, explained_by, own_numbers
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from exoid.diagnosis.splits import from_scratch
 from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
 from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, with_own, write_up
 from exoid.ground.progress import Progress, silent
+from exoid.ground.ties import least_of
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
@@ -101,11 +101,21 @@ def answer_of(
     told = own.without([one.recording for one in rival.left_out])
     if not told or rival.verdict == "check_channels" or not better(last, explained, rules):
         return answer
-    # One effect of the machine that explains nearly as much as many numbers of recordings is the plainer answer.
-    share = above_noise(base.evaluation_rms, explained.evaluation_rms)
-    if max((one.explained_share for one in answer.suspects), default=0.0) >= rules.most * share:
-        return answer
+    nearest = _with_nearest(answer, given, rules)
+    if nearest is not None and explained_by(last, nearest) >= rules.most * explained_by(last, explained):
+        return answer  # one effect of the machine explains nearly as much as many numbers of recordings
     return with_own(rival, told, base)
+
+
+def _with_nearest(answer: Diagnosis, given: Prepared, rules: Rules) -> FittedModel | None:
+    """Return the model that was found and the entry that comes nearest to what it leaves; None where none is near."""
+    names = [term.name for term in answer.model.terms]
+    near = [one for one in answer.suspects if one.name not in names and one.explained_share >= rules.worth_telling]
+    if not near:
+        return None
+    best = least_of(near, lambda one: -one.explained_share, 1.0)
+    model = answer.model.with_effect(answer.model.find_effect(best.effect), best.joint)
+    return fitted_model(identify(model, given.train, optimisers=()), given)
 
 
 def _on(fit: Fit, prepared: Prepared) -> FittedModel:

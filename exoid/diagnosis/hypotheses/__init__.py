@@ -62,8 +62,8 @@ class Claim:
 @cache
 def hypotheses() -> dict[str, ModuleType]:
     """Return the modules of this folder by name. Each has `claims(model)`, what it proposes for a model's machine, and
-    `said(place, values, where)`, a sentence about the numbers {recording: words} of one claim; `where` is the place of a
-    load in words, or "".
+    `said(place, values, where)`, a sentence about the numbers {recording: words} of one claim; `where` is the place of
+    a load in words, or "".
     """
     return modules_in(sys.modules[__name__])
 

@@ -142,6 +142,12 @@ def better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
     return _total(then) <= (1.0 - rules.worth_telling) * _total(once) and clearer(once, then) >= rules.clear
 
 
+def explained_by(last: FittedModel, rival: FittedModel) -> float:
+    """Return by what share of itself the loss of all recordings falls from the `last` model to a rival."""
+    once, then = (_total(one.recording_losses(last.scale)) for one in (last, rival))
+    return 1.0 - then / once
+
+
 def clearer(once: Sequence[Float], then: Sequence[Float]) -> float:
     """Return by how many standard errors losses `then`, blocks of each recording, are below `once`.
 
