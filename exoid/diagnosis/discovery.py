@@ -99,8 +99,11 @@ def answer_of(
         if again.agrees(before):
             break
     told = own.without([one.recording for one in rival.left_out])
-    if not told or rival.verdict == "check_channels" or not better(last, explained, rules):
+    worse = ("check_channels", "unexplained") if answer.verdict == "check_channels" else ("check_channels",)
+    if not told or rival.outside or rival.verdict in worse or not better(last, explained, rules):
         return answer
+    if answer.left_out and answer.error is None and rival.error is not None:
+        return answer  # what is another machine's is explained by no such number
     nearest = _with_nearest(answer, given, rules)
     if nearest is not None and explained_by(last, nearest) >= rules.most * explained_by(last, explained):
         return answer  # one effect of the machine explains nearly as much as many numbers of recordings
