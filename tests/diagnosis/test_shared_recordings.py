@@ -71,8 +71,8 @@ def test_real_rig_zeros_that_differ_are_named_and_not_taken_for_an_effect(shared
     names = {a.name for a in found.accepted}
     assert "rotor_inertia:knee" in names
     assert not {n.partition(":")[0] for n in names} & {"torque_offset", "end_stop", "gravity_tilt", "stribeck"}
-    zeros = [d for d in found.differing if d.name.startswith("zero:")]
-    assert {np.sign(d.value) for d in zeros} == {-1.0, 1.0}
+    zeros = [e.value for one in found.of_recordings if one.what == "sensor_zero" for e in one.values.values()]
+    assert {np.sign(value) for value in zeros} == {-1.0, 1.0}
 
 
 def test_adding_what_is_not_missing_is_told(shared_data):

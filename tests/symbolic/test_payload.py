@@ -95,14 +95,16 @@ def test_payloads_that_cannot_be_are_refused():
 
 
 @pytest.mark.slow
-def test_a_load_that_was_not_named_is_left_out_and_said():
+def test_a_load_that_was_not_named_is_weighed():
     bench, leg = Bench(duration=12.0), standard_leg()
     bare = [run.recording for run in simulate_runs(3, None, leg, seed=1, bench=bench)]
     heavy = simulate_runs(1, None, leg.with_payload(3.0, 0.35), seed=2, bench=bench, name="heavy")[0].recording
     found = discover(Model.standard(), [*bare, heavy])
-    assert [one.recording for one in found.left_out] == ["heavy_0"] and "a load (--payload)" in found.sentence
+    (load,) = found.of_recordings
+    assert load.what == "carried_load" and load.values["heavy_0"].value == pytest.approx(3.0, abs=0.1)
+    assert load.place.value == pytest.approx(0.35, abs=0.02) and not found.left_out
     named = discover(Model.standard(), [*bare, heavy.with_payload(3.0, 0.35)])
-    assert named.verdict == "adequate" and not named.differing and not named.left_out
+    assert named.verdict == "adequate" and not named.of_recordings and not named.left_out
 
 
 ARM = spatial_machine(parse_robot(arm_text(7, 4, ("revolute", "revolute", "prismatic")).encode())).model
