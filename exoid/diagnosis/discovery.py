@@ -23,7 +23,7 @@ from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import DELAY
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
-from exoid.diagnosis.search.recordings import better, explained_by, own_numbers
+from exoid.diagnosis.search.recordings import belonging_to, explained_by, predicts_better
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from exoid.diagnosis.splits import from_scratch
@@ -85,8 +85,8 @@ def answer_of(
     answer = _of_machine(question, base, recordings, verify, tick, found, began)
     rules, given = question.rules, base.prepared
     last = _on(answer.fit, given)
-    own = None if given.misread or answer.outside else own_numbers(last, rules)
-    own = own and (own_numbers(base, rules) or own)
+    own = None if given.misread or answer.outside else belonging_to(last, rules)
+    own = own and (belonging_to(base, rules) or own)
     if own is None:
         return answer
     for _ in range(ROUNDS):
@@ -94,13 +94,13 @@ def answer_of(
         fitted = beside.fitted(recordings, verify, tick, own.applied(given))
         rival = _of_machine(beside, fitted, recordings, verify, tick, found, began)
         explained = _on(rival.fit, own.applied(given))
-        again, before = own_numbers(_on(rival.fit, given), rules) or own, own
+        again, before = belonging_to(_on(rival.fit, given), rules) or own, own
         own = again
         if again.agrees(before):
             break
     told = own.without([one.recording for one in rival.left_out])
     worse = ("check_channels", "unexplained") if answer.verdict == "check_channels" else ("check_channels",)
-    if not told or rival.outside or rival.verdict in worse or not better(last, explained, rules):
+    if not told or rival.outside or rival.verdict in worse or not predicts_better(last, explained, rules):
         return answer
     if answer.left_out and answer.error is None and rival.error is not None:
         return answer  # what is another machine's is explained by no such number

@@ -20,6 +20,7 @@ PLUG_INS = {
     "apps/paper/items": {"answer"},
     "apps/*/export": {"write", "notes"},
     "diagnosis/readings": {"entry", "what_is_wrong"},
+    "diagnosis/hypotheses": {"claims", "said"},
 }
 """What each file of a folder of plug-ins defines for whoever reads the folder."""
 

@@ -10,7 +10,7 @@ import pytest
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.rules import RULES
-from exoid.diagnosis.search.recordings import own_numbers
+from exoid.diagnosis.search.recordings import belonging_to
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.recording import Recording
@@ -104,7 +104,7 @@ def test_a_single_recording_has_no_others_and_of_many_one_does_not_matter():
     def asked(runs, **rules):
         prepared = prepare(AXIS, runs)
         now = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
-        return own_numbers(now, replace(RULES, **rules))
+        return belonging_to(now, replace(RULES, **rules))
 
     runs = [drive(k, zero=z) for k, z in enumerate((0.9, -0.6, 0.2))]
     assert asked(runs[:1]) is None and asked(runs, own_recordings=2) is None
@@ -115,11 +115,11 @@ def test_which_of_the_halves_is_held_out_has_no_say_in_its_own_numbers():
     runs = [drive(k, zero=z) for k, z in enumerate((0.9, -0.6, 0.2))]
     prepared = prepare(AXIS, runs[:2], runs[2:])
     now = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
-    first = own_numbers(now)
+    first = belonging_to(now)
     late = runs[2].tau.copy()
     late[: len(late) // 2] += 0.3  # the first half alone: what judges it must not know
     spoilt = prepare(AXIS, runs[:2], [replace(runs[2], tau=late)])
-    second = own_numbers(fitted_model(now.fit, spoilt))
+    second = belonging_to(fitted_model(now.fit, spoilt))
     assert second.judged[2, 0] == pytest.approx(first.judged[2, 0], abs=0.02)
     assert second.judged[2, 1, 2] > first.judged[2, 1, 2] + 0.2
 

@@ -85,6 +85,6 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
     return pieces
 
 
-def listed(values: dict[str, str]) -> str:
+def each_said(values: dict[str, str]) -> str:
     """Return "run_0 0.91 ± 0.02, run_2 0.2 ± 0.02"."""
     return ", ".join(f"{name} {text}" for name, text in values.items())

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, listed
+from exoid.diagnosis.hypotheses import Claim, Seen, each_said
 from exoid.symbolic.mechanics.payload import HEAVIEST, LINKS
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -42,6 +42,6 @@ def _mix(at: float) -> Float:
 def said(place: str | None, values: dict[str, str], where: str) -> str:
     """Return which recordings carry what, and where."""
     names, words = " and ".join(values), next(iter(values.values()))
-    each = "" if len(set(values.values())) == 1 else f" ({listed(values)})"
+    each = "" if len(set(values.values())) == 1 else f" ({each_said(values)})"
     what = f"{words}{where}" if not each else f"something{where}{each}"
     return f"{names} carr{'y' if len(values) > 1 else 'ies'} a load that the others do not: {what} on the {place}"

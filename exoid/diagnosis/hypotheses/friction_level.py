@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, listed
+from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -30,4 +30,4 @@ def _friction(joint: int, seen: Seen) -> Float:
 
 def said(place: str | None, values: dict[str, str], where: str) -> str:
     """Return which levels the recordings have."""
-    return f"The friction of the {place} is another than in the other recordings: {listed(values)} times as much"
+    return f"The friction of the {place} is another than in the other recordings: {each_said(values)} times as much"

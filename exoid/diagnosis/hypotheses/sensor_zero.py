@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, at_joint, listed
+from exoid.diagnosis.hypotheses import Claim, at_joint, each_said
 from exoid.symbolic.model import Model
 
 
@@ -19,4 +19,4 @@ def claims(model: Model) -> tuple[Claim, ...]:
 
 def said(place: str | None, values: dict[str, str], where: str) -> str:
     """Return which zeros the recordings have."""
-    return f"The {place} torque sensor has another zero in each recording: {listed(values)}"
+    return f"The {place} torque sensor has another zero in each recording: {each_said(values)}"

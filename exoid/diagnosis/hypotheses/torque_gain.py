@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, listed
+from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -23,4 +23,4 @@ def _of(joint: int, seen: Seen) -> Float:
 
 def said(place: str | None, values: dict[str, str], where: str) -> str:
     """Return which gains the recordings have."""
-    return f"The {place} torque is told with another gain than in the other recordings: {listed(values)} times"
+    return f"The {place} torque is told with another gain than in the other recordings: {each_said(values)} times"

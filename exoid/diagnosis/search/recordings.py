@@ -58,7 +58,7 @@ class Belonging(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class Claimed:
     """A claim that is held true, at a node; each of the `groups` of recordings (indices) has a number."""
 
     claim: Claim
@@ -66,7 +66,7 @@ class Held:
     groups: tuple[tuple[int, ...], ...]
 
 
-State = tuple[Held, ...]
+State = tuple[Claimed, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ class Own:
         return tuple(b for b in kept if b.values)
 
 
-def own_numbers(now: FittedModel, rules: Rules = RULES) -> Own | None:
+def belonging_to(now: FittedModel, rules: Rules = RULES) -> Own | None:
     """Return what belongs to recordings beside a model; None where nothing does, and where there is only one recording.
     """
     names = [one.name for one in now.prepared.all]
@@ -136,7 +136,7 @@ def own_numbers(now: FittedModel, rules: Rules = RULES) -> Own | None:
     return question.written(held) if held else None
 
 
-def better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
+def predicts_better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
     """Whether a model beside what belongs to recordings predicts clearly better than the `last` one without."""
     once, then = (one.recording_losses(last.scale, rules) for one in (last, rival))
     return _total(then) <= (1.0 - rules.worth_telling) * _total(once) and clearer(once, then) >= rules.clear
@@ -286,7 +286,7 @@ class _Recordings:
         state: State = ()
         every = tuple((k,) for k in range(len(self.blocks)))
         for claim in self.claims:
-            own = Held(claim, claim.nodes[0], every)
+            own = Claimed(claim, claim.nodes[0], every)
             if claim.everyone and self.pays(self._needless(state, own), (*state, own), self.clear):
                 state = (*state, own)
         while True:
@@ -299,7 +299,7 @@ class _Recordings:
         self._weighted(state)
         return self._pruned(state)
 
-    def _promising(self, state: State) -> list[Held]:
+    def _promising(self, state: State) -> list[Claimed]:
         """Return of every claim that is not held the recording and node that promise most, the best few."""
         taken = {id(held.claim) for held in state}
         free = [one for one in self.claims if not one.everyone and id(one) not in taken]
@@ -333,17 +333,17 @@ class _Recordings:
                 left += number**2 * square[1] - 2.0 * number * np.sum(moved * held, axis=0)
                 numbers[k] += number
                 losses[k] += np.where((low <= number) & (number <= high), left, np.inf)
-        best: list[tuple[float, Held]] = []
+        best: list[tuple[float, Claimed]] = []
         for claim in free:
             mine = [c for c, (one, _) in enumerate(nodes) if one is claim]
             k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
             less = claim.shared and numbers[k, mine[c]] < 0.0
             group = tuple(j for j in range(len(self.blocks)) if (j == k) != less)
-            best.append((float(losses[k, mine[c]]), Held(claim, claim.nodes[c], (group,))))
+            best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
         useful = [one for one in best if one[0] < now]
         return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
 
-    def _grown(self, state: State, held: Held) -> Held:
+    def _grown(self, state: State, held: Claimed) -> Claimed:
         """Return a claim with as many recordings as clearly have it."""
         held = self._placed(state, held)
         while True:
@@ -357,7 +357,7 @@ class _Recordings:
                 return held
             held = best
 
-    def _others(self, held: Held) -> list[Held]:
+    def _others(self, held: Claimed) -> list[Claimed]:
         """Return a claim with one recording more; of a number that is shared, also with one less. One recording at
         least says what is usual.
         """
@@ -369,7 +369,7 @@ class _Recordings:
         longer = [tuple(sorted((*held.groups, (k,)))) for k in every if k not in inside]
         return [replace(held, groups=one) for one in longer if len(one) < len(every)]
 
-    def _placed(self, state: State, held: Held) -> Held:
+    def _placed(self, state: State, held: Claimed) -> Claimed:
         """Return a claim at the node that fits best."""
         nodes = np.array(held.claim.nodes)
         if len(nodes) < 2:
@@ -394,7 +394,7 @@ class _Recordings:
             state = rivals[best][: len(state) - 1]
         return state
 
-    def _needless(self, rest: State, held: Held) -> State:
+    def _needless(self, rest: State, held: Claimed) -> State:
         """Return what explains as much where a claim is needless: nothing, or of what everyone has, the same number in
         all recordings; that is the machine's, and has its place in the catalogue.
         """
@@ -451,7 +451,7 @@ class _Recordings:
         places = {id(claim): self.count + len(groups) + k for k, (claim, _, _) in enumerate(slopes)}
         return _Spread(found.matrix, found.critical, width, self.count, places)
 
-    def _told(self, held: Held, numbers: Float, spread: _Spread, at: int) -> Belonging:
+    def _told(self, held: Claimed, numbers: Float, spread: _Spread, at: int) -> Belonging:
         claim, names = held.claim, [one.name for one in self.now.prepared.all]
         known = [spread.number(at + k) for k in range(len(numbers))]
         unit, place = claim.unit, None
