@@ -340,7 +340,7 @@ class _Recordings:
             less = claim.shared and numbers[k, mine[c]] < 0.0
             group = tuple(j for j in range(len(self.blocks)) if (j == k) != less)
             best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
-        useful = [one for one in best if one[0] < now]
+        useful = [one for one in best if one[0] <= (1.0 - self.rules.least_share) * now]
         return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
