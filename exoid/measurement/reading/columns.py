@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.ground.errors import RecordingError
+from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
@@ -243,6 +243,8 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return
+    nothing = len(missing) >= 2 * len(joints) and not any(quantity_of(name) in ("q", "tau") for name in chosen)
+    error = NoChannelsError if nothing else RecordingError
     seen = ((recognise(column.name, tuple(joints)), column.name) for column in table.columns)
     currents = {found: name for found, name in seen if found and quantity_of(found.name) == "i"}
     torques = [name for name in missing if quantity_of(name) == "tau"]
@@ -265,7 +267,7 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
     what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
     remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
-    raise RecordingError(what, where=where, remedy=remedy)
+    raise error(what, where=where, remedy=remedy)
 
 
 def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.errors import RecordingError
+from exoid.ground.errors import NoNumbersError
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.stamps import seconds, since_first
 from exoid.symbolic.motion import Float
@@ -138,7 +138,7 @@ def table_from_arrays(
     flat = {name: np.squeeze(np.asarray(array)) for name, array in arrays.items()}
     lengths = [max(a.shape) for a in flat.values() if 1 <= a.ndim <= 2 and a.size]
     if not lengths or max(lengths) < 2:
-        raise RecordingError(
+        raise NoNumbersError(
             "no column of numbers was found in the file",
             where=where,
             remedy="store t, q1, q2, tau1, tau2 as arrays of equal length "

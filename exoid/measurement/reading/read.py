@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypedDict, Unpack
 
-from exoid.ground.errors import RecordingError, refused
+from exoid.ground.errors import RecordingError, StandingError, refused
 from exoid.ground.files import sha256
 from exoid.ground.inputs import open_input
 from exoid.ground.progress import Progress
@@ -22,6 +22,7 @@ from exoid.measurement.auditing.audit import audit
 from exoid.measurement.auditing.degrees import read_degrees
 from exoid.measurement.auditing.unusable import mask_unusable, without_rounding
 from exoid.measurement.finding import Finding
+from exoid.measurement.reading.among import read_among
 from exoid.measurement.reading.columns import assign, inferred, legs
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.reading.frames import is_table, table_from
@@ -31,7 +32,7 @@ from exoid.measurement.reading.made_times import join_split
 from exoid.measurement.reading.mapping import FILE, StatedMapping, remembered
 from exoid.measurement.reading.raw import RawTable
 from exoid.measurement.reading.repair import as_recording, on_one_clock
-from exoid.measurement.reading.sources import digest, expand, find_formats, folder_of, opened
+from exoid.measurement.reading.sources import digest, find_formats, folder_of, opened
 from exoid.measurement.recording import Recording, Source
 from exoid.measurement.selection import selected
 from exoid.symbolic.joints import LEG, Joint
@@ -104,9 +105,10 @@ def read_recordings(
     """Return the recordings in `sources`: one or several files, folders, patterns ("runs/*.csv"), ZIP archives, and
     tables in memory.
 
-    `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
-    read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
-    (`exoid.measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`,
+    What stands in a folder, a pattern or an archive beside recordings is left out, and the first recording's findings
+    say how much of what. `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more
+    than `most_bytes` is read piece by piece, in bounded memory, and becomes several recordings, stretches spread over
+    it (`exoid.measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`,
     whose `leg`, `convention`, `join`, `only` and `passive` it takes too.
     """
     told = how_read(columns, units, **more)
@@ -118,15 +120,14 @@ def read_recordings(
         raise RecordingError(f"a {type(wrong).__name__} is not read as a recording", remedy=remedy)
     tables = sum(map(is_table, parts))
     if not tables:
-        return tuple(one for path in expand(parts) for one in read_as_told(path, told, joints, progress, most_bytes))
+        return read_among(parts, lambda path: read_as_told(path, told, joints, progress, most_bytes))
     machine = None if joints is None else tuple(joints)
     found: list[Recording] = []
     for place, part in enumerate(parts, start=1):
         if is_table(part):
             found += _of_every_leg(part, told, machine, f"table {place}" if tables > 1 else "")
         else:
-            files = expand(part)
-            found += (one for path in files for one in read_as_told(path, told, joints, progress, most_bytes))
+            found += read_among([part], lambda path: read_as_told(path, told, joints, progress, most_bytes))
     return tuple(found)
 
 
@@ -285,7 +286,9 @@ def refuse(findings: tuple[Finding, ...]) -> None:
             if refused[1:]
             else ""
         )
-        raise RecordingError(refused[0].what + more, where=refused[0].where, remedy=refused[0].remedy)
+        still = refused[0].check == "motion" and (refused[0].limit or 0.0) > 0.0  # the angles stand, not only torques
+        error = StandingError if still else RecordingError
+        raise error(refused[0].what + more, where=refused[0].where, remedy=refused[0].remedy)
 
 
 def read_table(path: Path, where: str = "") -> RawTable:
