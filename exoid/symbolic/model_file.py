@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from exoid.ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
-from exoid.ground.files import write_whole
+from exoid.ground.files import ROBOT_FILE, write_whole
 from exoid.ground.ours import WRITTEN
 from exoid.ground.toml_reader import Table, read_toml
 from exoid.symbolic.custom_effect import read_custom_effect
@@ -64,12 +64,21 @@ class Numbers:
 
 
 def read_model(path: str | Path) -> Model:
-    """Read a model file; ModelFileError says what is wrong, in which line, and what to do."""
+    """Read a model file, or the machine of all joints that move in a robot's URDF.
+
+    ModelFileError says what is wrong, in which line, and what to do; of a URDF, RobotFileError does.
+    """
+    if Path(path).suffix.lower() == ROBOT_FILE:
+        return Model.from_urdf(path)
     return _model(_load(path))
 
 
 def read_numbers(path: str | Path) -> Numbers | None:
-    """Read the `[identified]` numbers of a model file; None where it has none, ModelFileError where they are wrong."""
+    """Read the `[identified]` numbers of a model file; None where it has none, as a URDF, ModelFileError where they are
+    wrong.
+    """
+    if Path(path).suffix.lower() == ROBOT_FILE:
+        return None
     top = _load(path)
     model = _model(top)
     if "identified" not in top.values:

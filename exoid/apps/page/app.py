@@ -22,10 +22,11 @@ from exoid.apps.page.guard import Guard
 from exoid.apps.page.message import LONGEST, RELOAD, obey, read_message
 from exoid.apps.page.reply import number_in
 from exoid.ground.errors import ExoidError, RecordingError, error_json, internal
+from exoid.ground.files import MODEL_FILES
 from exoid.ground.folder import with_apps
 from exoid.measurement.reading.limits import MOST_BYTES
 from exoid.measurement.reading.mapping import FILE as MAPPING
-from exoid.measurement.reading.sources import MODELS, kind_of_file
+from exoid.measurement.reading.sources import kind_of_file
 from exoid.workbench.report import page as report
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ async def _upload(workspace: Workspace, request: Request) -> Response:
     def take() -> dict[str, Any]:
         if target.name == MAPPING:
             workspace.use_mapping(target)
-        elif target.suffix in MODELS:
+        elif target.suffix.lower() in MODEL_FILES:
             workspace.use_model(target, name)
         elif "folder" in request.query_params and (kind := kind_of_file(target)):
             target.unlink()

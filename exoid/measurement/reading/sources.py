@@ -22,6 +22,7 @@ from types import ModuleType
 from typing import IO
 
 from exoid.ground.errors import NO_NUMBERS, RecordingError, refused
+from exoid.ground.files import MODEL_FILES
 from exoid.ground.folder import modules_in
 from exoid.ground.inputs import open_input
 from exoid.ground.suggest import nearest
@@ -39,8 +40,6 @@ NO_PATH = (OSError, ValueError, RuntimeError)
 """What looking at a path raises; before Python 3.13 a loop of links is a RuntimeError."""
 OTHERS = frozenset({"readme.txt", "license.txt", "requirements.txt", "notes.txt", "log.txt"})
 """Files of a folder that are texts about the recordings; one that is named is read all the same."""
-MODELS = (".toml", ".urdf")
-"""What lies beside recordings and is no other file: models, and what `exoid map` keeps."""
 NO_MEMBERS = "the archive holds no recordings"
 OTHER_TYPES = "of other types"
 
@@ -103,7 +102,7 @@ def _in_folder(folder: Path) -> dict[str, str]:
     return {
         str(one): "" if is_bag(one) else kind_of_file(one)
         for one in inside
-        if is_bag(one) or (one.is_file() and one.suffix.lower() not in MODELS)
+        if is_bag(one) or (one.is_file() and one.suffix.lower() not in MODEL_FILES)
     }
 
 
@@ -133,7 +132,7 @@ def _matching(pattern: str) -> dict[str, str]:
     return {
         path: "" if is_bag(Path(path)) or Path(path).suffix.lower() in suffixes() else OTHER_TYPES
         for path in inside
-        if Path(path).suffix.lower() not in MODELS
+        if Path(path).suffix.lower() not in MODEL_FILES
     }
 
 
@@ -168,7 +167,7 @@ def _all_members(archive: Path) -> dict[str, str]:
             for name in sorted(inside)
             if not PurePosixPath(name).name.startswith((".", "__MACOSX"))
             and not name.startswith("__MACOSX")
-            and PurePosixPath(name).suffix.lower() not in MODELS
+            and PurePosixPath(name).suffix.lower() not in MODEL_FILES
         }
 
 

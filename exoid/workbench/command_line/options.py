@@ -66,7 +66,7 @@ def _reads(name: str, about: Setting, number: Callable[[str], float]) -> Callabl
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """Add --model."""
-    parser.add_argument("--model", metavar="FILE", help="model file (TOML); without it, the standard leg")
+    parser.add_argument("--model", metavar="FILE", help="model file (TOML) or URDF; without it, the standard leg")
 
 
 def add_question(parser: argparse.ArgumentParser, *, required: bool = True) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from exoid.ground.files import MODEL_FILES
 from exoid.workbench.command_line.deliver import deliver_results
 from exoid.workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from exoid.workbench.command_line.options import (
@@ -225,7 +226,7 @@ def _separate(args: argparse.Namespace) -> int:
 
     joints = load_model(args.model).joints
     white = Noise.white(args.noise, args.rate, joints) if args.noise else None
-    toml = [name for name in args.inputs if name.lower().endswith(".toml")]
+    toml = [name for name in args.inputs if name.lower().endswith(MODEL_FILES)]
     if toml:
         raise UsageError("this is a model, not a recording", where=toml[0], remedy=f"--model {toml[0]}")
     args.recordings = args.inputs

@@ -7,7 +7,7 @@ import { doing, say } from "./status.js";
 
 const HELD_OUT = /^(verify|validation|valid|test|held|hold)/i;
 
-const isModel = (file) => /\.(toml|urdf)$/.test(file.name); // or what exoid map kept
+const isModel = (file) => /\.(toml|urdf)$/i.test(file.name); // or what exoid map kept
 
 // What it is about first, then recordings in the order of their names. Of three or more at once the last is held out, if
 // none is yet and no name says so. Of a folder, what is no recording is passed over, and said.
