@@ -383,10 +383,9 @@ class Model:
         Others stand still at zero. `gravity` in m/s² is that within the plane of a planar machine, or downwards (9.81).
         RobotFileError says what is wrong with the file or its joints.
         """
-        from exoid.symbolic.robot_file import read_robot
-        from exoid.symbolic.spatial_machine import robot_machine
+        from exoid.symbolic.model_file import read_robot_model
 
-        return robot_machine(read_robot(path), tuple(joints), gravity, str(path)).model
+        return read_robot_model(path, joints, gravity)
 
     def save(self, path: str | Path, fit: Identified | None = None) -> Path:
         """Write the model, with the numbers of `fit` where given, whole or not at all; return the path.

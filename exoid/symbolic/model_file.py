@@ -35,6 +35,8 @@ from exoid.symbolic.joints import (
 from exoid.symbolic.mechanics.body import BodyError
 from exoid.symbolic.model import TABLE_1, UNLIMITED, Limits, Model
 from exoid.symbolic.quantity import JOINTS, Estimate
+from exoid.symbolic.robot_file import read_robot
+from exoid.symbolic.spatial_machine import robot_machine
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,8 +71,13 @@ def read_model(path: str | Path) -> Model:
     ModelFileError says what is wrong, in which line, and what to do; of a URDF, RobotFileError does.
     """
     if Path(path).suffix.lower() == ROBOT_FILE:
-        return Model.from_urdf(path)
+        return read_robot_model(path)
     return _model(_load(path))
+
+
+def read_robot_model(path: str | Path, joints: Sequence[str] = (), gravity: float | None = None) -> Model:
+    """Read the model of a robot's URDF; see `Model.from_urdf`."""
+    return robot_machine(read_robot(path), joints, gravity, str(path)).model
 
 
 def read_numbers(path: str | Path) -> Numbers | None:
