@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -42,16 +43,23 @@ def canonical_columns(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     return (*required(joints), *further, *base_columns(joints), *outside_columns(joints))
 
 
+def spare_columns(joints: Sequence[Joint] = LEG) -> frozenset[str]:
+    """Return the names of the columns without which everything can be answered, so that none of them stops reading."""
+    own = (f"{quantity}{k + 1}" for quantity in ("dq", "ddq") for k in range(len(joints)))
+    return frozenset((*own, *force_columns(joints), CONTACT))
+
+
 @dataclass(frozen=True)
 class Assigned:
     """A canonical column: where it comes from, `factor` to SI, and whether its unit was `told` by
-    somebody."""
+    somebody. `fault` is why it cannot be used, of a column that need not be there."""
 
     name: str
     column: RawColumn
     unit: str
     factor: float
     told: bool
+    fault: str = ""
 
 
 def assign(
@@ -72,7 +80,7 @@ def assign(
     wanted = [name for name in required(joints) if name not in idle]
     side = _side(offers, chosen, leg, wanted, where)
     hidden: dict[int, str] = {}
-    forces = {*force_columns(joints), CONTACT}
+    spare = spare_columns(joints)
     for name in canonical_columns(joints):
         if name in chosen:
             continue
@@ -81,7 +89,7 @@ def assign(
             fitting = [offer for offer in fitting if offer[0].side]
         if not fitting:
             continue
-        if name in forces and _differ(fitting):
+        if name in spare and _differ(fitting):
             continue  # several plates: which one the foot stood on is for the user to say, and `repaired` tells
         reading, column = _best(name, fitting, where)
         chosen[name], hidden[id(column)] = column, reading.unit
@@ -89,11 +97,17 @@ def assign(
         chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
         _check_missing(chosen, table, where, joints)
-    return {
-        name: _with_unit(name, chosen[name], units, hidden, where, joints)
-        for name in canonical_columns(joints)
-        if name in chosen
-    }
+    out: dict[str, Assigned] = {}
+    for name in canonical_columns(joints):
+        if name not in chosen:
+            continue
+        try:
+            out[name] = _with_unit(name, chosen[name], units, hidden, where, joints)
+        except RecordingError as error:
+            if name not in spare or name in mapping or name in units:
+                raise
+            out[name] = Assigned(name, chosen[name], chosen[name].unit, 1.0, False, f"{error.what} ({error.remedy})")
+    return out
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
@@ -103,6 +117,7 @@ def inferred(table: RawTable) -> tuple[Joint, ...]:
     """
     there = {column.name.strip() for column in table.columns}
     count = next(k for k in range(len(there) + 1) if not {f"q{k + 1}", f"tau{k + 1}"} <= there)
+    count = count or int({"q", "tau"} <= there)
     second = {found.name for column in table.columns if (found := recognise(column.name))} & {"q2", "tau2"}
     if count in (0, 2) or count > MOST or (count == 1 and second) or {"q0", "tau0"} & there:
         return LEG
@@ -128,11 +143,11 @@ def _offers(
 ) -> list[Offer]:
     """Return what each column can be, those that are mapped already apart."""
     taken = {id(column) for column in chosen.values()}
-    aliases, doubtful = _counted_from_one(table.names)
+    aliases, doubtful = _counted_from_one(table.names, len(joints))
     offers: list[Offer] = []
     for column in table.columns:
         name = aliases.get(column.name, column.name)
-        found = None if id(column) in taken or name in doubtful else recognise(name, tuple(joints))
+        found = None if id(column) in taken or name in doubtful else _recognised(name, column.unit, tuple(joints))
         if found and quantity_of(found.name) == "i":  # a current is a torque only for whom the constant was given
             name = found.name.replace("i", "tau")
             given = units.get(name) or units.get("tau") or ""
@@ -143,6 +158,15 @@ def _offers(
         weak = [c for c in table.columns if weak_time(c.name) and id(c) not in taken and _runs_forwards(c)]
         offers += [(ColumnMeaning("t", rank=50), column) for column in weak[:1]]
     return offers
+
+
+def _recognised(name: str, unit: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
+    """Return what a column can be; its unit counts where the name leaves the quantity open: "hip [deg]"."""
+    found = recognise(name, joints)
+    if found or not unit:
+        return found
+    found = recognise(f"{name} {unit}", joints)
+    return found._replace(unit="") if found and found.unit else None
 
 
 def _runs_forwards(column: RawColumn) -> bool:
@@ -270,10 +294,11 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     raise error(what, where=where, remedy=remedy)
 
 
-def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
-    """Return {name: the same counted from 1} for joints counted from 0, and the names that count 0, 1, 2, ...
+def _counted_from_one(names: Sequence[str], count: int) -> tuple[dict[str, str], set[str]]:
+    """Return {name: the same counted from 1} for `count` joints counted from 0, and the names that count 0, 1, 2, ...
+    further.
 
-    Of these nobody can say which two are the hip and the knee.
+    Of these nobody can say which are meant.
     """
     out: dict[str, str] = {}
     doubtful: set[str] = set()
@@ -281,10 +306,11 @@ def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
         found = re.fullmatch(r"(.*?)(?<!\d)0(\D*)", name)
         if not found:
             continue
-        first, second = (f"{found[1]}{k}{found[2]}" for k in (1, 2))
-        if first in names and second not in names:
-            out |= {name: first, first: second}
-        elif first in names:
+        counted = [f"{found[1]}{k}{found[2]}" for k in range(count + 1)]
+        there = sum(one in names for one in counted)
+        if there == count and counted[-1] not in names:
+            out |= dict(pairwise(counted))
+        elif counted[1] in names and count > 1:
             doubtful |= {f"{found[1]}{k}{found[2]}" for k in range(100)}
     return out, doubtful
 

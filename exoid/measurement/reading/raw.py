@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from exoid.ground.errors import NoNumbersError
 from exoid.measurement.finding import Finding
+from exoid.measurement.reading.names import FILLERS, FOREIGN, SIDE_WORDS, words_in
 from exoid.measurement.reading.stamps import seconds, since_first
+from exoid.measurement.reading.units import is_unit
 from exoid.symbolic.motion import Float
 
 
@@ -165,7 +167,15 @@ def split_unit(name: str) -> tuple[str, str]:
     found = UNIT_IN_NAME.match(name)
     if INDEX.fullmatch(name):  # position[0] of an array is no unit
         return re.sub(r"[\[\]()]", "", name), ""
-    return (found["name"].strip(), found["unit"].strip()) if found and found["name"].strip() else (name, "")
+    if not found or not found["name"].strip() or not _may_be_unit(found["unit"]):
+        return name, ""
+    return found["name"].strip(), found["unit"].strip()
+
+
+def _may_be_unit(text: str) -> bool:
+    """Whether bracketed text may be a unit, also one that nobody knows; a side, and words as "(filtered)", are none."""
+    words = words_in(text)
+    return is_unit(text.strip()) or not words or not words <= {*FILLERS, *SIDE_WORDS, *FOREIGN}
 
 
 def named_column(name: str, cells: Any, unit: str) -> RawColumn:
