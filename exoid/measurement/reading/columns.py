@@ -23,6 +23,7 @@ from exoid.measurement.recording import base_columns
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
 from exoid.symbolic.units import QUANTITIES, SI_UNIT
 
+NO_CLOCK = "say how often it was sampled, in Hz: --rate 100"
 LEGS = ("left", "right", "ipsi", "contra")
 OF_JOINTS = ("t", "q", "dq", "ddq", "tau", "f")
 """Quantities of a recording that --units may name."""
@@ -75,6 +76,8 @@ def assign(
     _check_keys(mapping, canonical_columns(joints), "--map", where)
     _check_keys(units, (*OF_JOINTS, *canonical_columns(joints), *table.names), "--units", where)
     chosen = mapped(table, mapping, where)
+    if told.rate:
+        chosen["t"] = RawColumn("row", np.arange(table.row.shape[0]) / told.rate, "s")
     offers = _offers(table, chosen, units, joints)
     idle = [f"tau{k}" for k, joint in enumerate(joints, start=1) if joint.name in told.passive]
     wanted = [name for name in required(joints) if name not in idle]
@@ -290,6 +293,9 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
     what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
+    if missing == ["t"]:
+        what = f"no time column was found (columns found: {listed(table.names)})"
+        raise RecordingError(what, where=where, remedy=f"{NO_CLOCK}; or --map t=COLUMN")
     remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
     raise error(what, where=where, remedy=remedy)
 

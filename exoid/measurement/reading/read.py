@@ -42,6 +42,8 @@ Machine = tuple[Joint, ...] | None
 LARGE, PIECES, SMALL = 400_000_000, 16, 1_000_000
 """Bytes of text that are still read as a whole; into how many pieces so many are cut where they are not; and the least
 that is worth a look."""
+LEAST_RATE, MOST_RATE = 0.1, 1e6
+"""Hz that may be said of a recording."""
 LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
@@ -53,6 +55,7 @@ class HowRead(TypedDict, total=False):
     join: str | Path | Sequence[Joined]
     only: str
     passive: str | Sequence[str]
+    rate: float
 
 
 def read_recording(
@@ -77,7 +80,8 @@ def read_recording(
     `exoid.measurement.reading.join`. `only` ("contact == 0") says of which rows the torques are explained; unless it is
     given, those of stance are left out where a column says when the foot is on the ground and none what the ground does
     (`exoid.measurement.selection`). `passive` are joints that had no drive: their torque is zero and needs no
-    column. `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the
+    column. `rate` in Hz says how often a recording without a clock was sampled, evenly.
+    `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the
     machine (`model.joints`); None means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises
     RecordingError for anything that cannot be used, with the place and the remedy.
     """
@@ -109,7 +113,7 @@ def read_recordings(
     say how much of what. `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more
     than `most_bytes` is read piece by piece, in bounded memory, and becomes several recordings, stretches spread over
     it (`exoid.measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`,
-    whose `leg`, `convention`, `join`, `only` and `passive` it takes too.
+    whose `leg`, `convention`, `join`, `only`, `passive` and `rate` it takes too.
     """
     told = how_read(columns, units, **more)
     single = isinstance(sources, (str, Path)) or is_table(sources) or not isinstance(sources, Iterable)
@@ -139,6 +143,7 @@ def how_read(
     join: str | Path | Sequence[Joined] = (),
     only: str = "",
     passive: str | Sequence[str] = (),
+    rate: float = 0.0,
 ) -> StatedMapping:
     """Return what was said of how to read; CallError for what cannot be said."""
     called = convention if isinstance(convention, str) else ",".join(convention)
@@ -146,7 +151,10 @@ def how_read(
     pairs = (other if isinstance(other, tuple) else (other, None) for other in files)
     others = tuple((str(file), lag) for file, lag in pairs)
     idle = (passive,) if isinstance(passive, str) else tuple(passive)
-    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others, idle, only=only)
+    if not (rate == 0.0 or LEAST_RATE <= rate <= MOST_RATE):
+        what = f"a rate of {rate:g} Hz is that of no recording"
+        raise RecordingError(what, where="rate", remedy=f"give it in Hz, from {LEAST_RATE:g} to {MOST_RATE:g}")
+    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others, idle, only=only, rate=rate)
 
 
 def read_as_told(
@@ -236,7 +244,7 @@ def _whole(
         sums.append(place.sha256)
     one = joined_pieces(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
-    return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="")
+    return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="", rate=0.0)
 
 
 def _loaded(

@@ -112,7 +112,7 @@ def told_recordings(
     told = {
         path: StatedMapping(
             *of_all, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ())),
-            args.condition,
+            args.condition, args.clock_rate,
         )
         for path in every
     }

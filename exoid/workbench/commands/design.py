@@ -69,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="standard deviation of a torque sample in N·m (N where a joint slides), one or hip,knee (0.5: the bench)",
     )  # fmt: skip
     add_settings(noise, DesignSettings, "duration")
-    add_reading(parser, everyday=False)
+    add_reading(parser, everyday=False, clock="--recorded-rate")
     add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and the report into DIR")
 
 
