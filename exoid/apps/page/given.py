@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exoid.ground.errors import ExoidError, error_json
+from exoid.ground.errors import ExoidError, RecordingError, error_json
 from exoid.ground.text import printable
 from exoid.measurement.reading.mapping import StatedMapping
 
@@ -37,6 +37,13 @@ class Given:
     recordings: tuple[Recording, ...] = ()
     error: ExoidError | None = None
     read: bool = False
+    among: bool = False
+    """Whether it stood in a folder, where other files may stand."""
+
+    @property
+    def is_other(self) -> bool:
+        """Whether it stood in a folder and is no recording."""
+        return self.among and isinstance(self.error, RecordingError) and bool(self.error.kind)
 
     @property
     def files(self) -> frozenset[Path]:

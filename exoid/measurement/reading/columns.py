@@ -8,10 +8,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from exoid.ground.errors import RecordingError
+from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
@@ -22,6 +23,7 @@ from exoid.measurement.recording import base_columns
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
 from exoid.symbolic.units import QUANTITIES, SI_UNIT
 
+NO_CLOCK = "say how often it was sampled, in Hz: --rate 100"
 LEGS = ("left", "right", "ipsi", "contra")
 OF_JOINTS = ("t", "q", "dq", "ddq", "tau", "f")
 """Quantities of a recording that --units may name."""
@@ -42,16 +44,23 @@ def canonical_columns(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     return (*required(joints), *further, *base_columns(joints), *outside_columns(joints))
 
 
+def spare_columns(joints: Sequence[Joint] = LEG) -> frozenset[str]:
+    """Return the names of the columns without which everything can be answered, so that none of them stops reading."""
+    own = (f"{quantity}{k + 1}" for quantity in ("dq", "ddq") for k in range(len(joints)))
+    return frozenset((*own, *force_columns(joints), CONTACT))
+
+
 @dataclass(frozen=True)
 class Assigned:
     """A canonical column: where it comes from, `factor` to SI, and whether its unit was `told` by
-    somebody."""
+    somebody. `fault` is why it cannot be used, of a column that need not be there."""
 
     name: str
     column: RawColumn
     unit: str
     factor: float
     told: bool
+    fault: str = ""
 
 
 def assign(
@@ -67,12 +76,14 @@ def assign(
     _check_keys(mapping, canonical_columns(joints), "--map", where)
     _check_keys(units, (*OF_JOINTS, *canonical_columns(joints), *table.names), "--units", where)
     chosen = mapped(table, mapping, where)
+    if told.rate:
+        chosen["t"] = RawColumn("row", np.arange(table.row.shape[0]) / told.rate, "s")
     offers = _offers(table, chosen, units, joints)
     idle = [f"tau{k}" for k, joint in enumerate(joints, start=1) if joint.name in told.passive]
     wanted = [name for name in required(joints) if name not in idle]
     side = _side(offers, chosen, leg, wanted, where)
     hidden: dict[int, str] = {}
-    forces = {*force_columns(joints), CONTACT}
+    spare = spare_columns(joints)
     for name in canonical_columns(joints):
         if name in chosen:
             continue
@@ -81,7 +92,7 @@ def assign(
             fitting = [offer for offer in fitting if offer[0].side]
         if not fitting:
             continue
-        if name in forces and _differ(fitting):
+        if name in spare and _differ(fitting):
             continue  # several plates: which one the foot stood on is for the user to say, and `repaired` tells
         reading, column = _best(name, fitting, where)
         chosen[name], hidden[id(column)] = column, reading.unit
@@ -89,11 +100,17 @@ def assign(
         chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
         _check_missing(chosen, table, where, joints)
-    return {
-        name: _with_unit(name, chosen[name], units, hidden, where, joints)
-        for name in canonical_columns(joints)
-        if name in chosen
-    }
+    out: dict[str, Assigned] = {}
+    for name in canonical_columns(joints):
+        if name not in chosen:
+            continue
+        try:
+            out[name] = _with_unit(name, chosen[name], units, hidden, where, joints)
+        except RecordingError as error:
+            if name not in spare or name in mapping or name in units:
+                raise
+            out[name] = Assigned(name, chosen[name], chosen[name].unit, 1.0, False, f"{error.what} ({error.remedy})")
+    return out
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
@@ -103,6 +120,7 @@ def inferred(table: RawTable) -> tuple[Joint, ...]:
     """
     there = {column.name.strip() for column in table.columns}
     count = next(k for k in range(len(there) + 1) if not {f"q{k + 1}", f"tau{k + 1}"} <= there)
+    count = count or int({"q", "tau"} <= there)
     second = {found.name for column in table.columns if (found := recognise(column.name))} & {"q2", "tau2"}
     if count in (0, 2) or count > MOST or (count == 1 and second) or {"q0", "tau0"} & there:
         return LEG
@@ -128,11 +146,11 @@ def _offers(
 ) -> list[Offer]:
     """Return what each column can be, those that are mapped already apart."""
     taken = {id(column) for column in chosen.values()}
-    aliases, doubtful = _counted_from_one(table.names)
+    aliases, doubtful = _counted_from_one(table.names, len(joints))
     offers: list[Offer] = []
     for column in table.columns:
         name = aliases.get(column.name, column.name)
-        found = None if id(column) in taken or name in doubtful else recognise(name, tuple(joints))
+        found = None if id(column) in taken or name in doubtful else _recognised(name, column.unit, tuple(joints))
         if found and quantity_of(found.name) == "i":  # a current is a torque only for whom the constant was given
             name = found.name.replace("i", "tau")
             given = units.get(name) or units.get("tau") or ""
@@ -143,6 +161,15 @@ def _offers(
         weak = [c for c in table.columns if weak_time(c.name) and id(c) not in taken and _runs_forwards(c)]
         offers += [(ColumnMeaning("t", rank=50), column) for column in weak[:1]]
     return offers
+
+
+def _recognised(name: str, unit: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
+    """Return what a column can be; its unit counts where the name leaves the quantity open: "hip [deg]"."""
+    found = recognise(name, joints)
+    if found or not unit:
+        return found
+    found = recognise(f"{name} {unit}", joints)
+    return found._replace(unit="") if found and found.unit else None
 
 
 def _runs_forwards(column: RawColumn) -> bool:
@@ -243,6 +270,8 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return
+    nothing = len(missing) >= 2 * len(joints) and not any(quantity_of(name) in ("q", "tau") for name in chosen)
+    error = NoChannelsError if nothing else RecordingError
     seen = ((recognise(column.name, tuple(joints)), column.name) for column in table.columns)
     currents = {found: name for found, name in seen if found and quantity_of(found.name) == "i"}
     torques = [name for name in missing if quantity_of(name) == "tau"]
@@ -264,14 +293,18 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
     what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
+    if missing == ["t"]:
+        what = f"no time column was found (columns found: {listed(table.names)})"
+        raise RecordingError(what, where=where, remedy=f"{NO_CLOCK}; or --map t=COLUMN")
     remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
-    raise RecordingError(what, where=where, remedy=remedy)
+    raise error(what, where=where, remedy=remedy)
 
 
-def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
-    """Return {name: the same counted from 1} for joints counted from 0, and the names that count 0, 1, 2, ...
+def _counted_from_one(names: Sequence[str], count: int) -> tuple[dict[str, str], set[str]]:
+    """Return {name: the same counted from 1} for `count` joints counted from 0, and the names that count 0, 1, 2, ...
+    further.
 
-    Of these nobody can say which two are the hip and the knee.
+    Of these nobody can say which are meant.
     """
     out: dict[str, str] = {}
     doubtful: set[str] = set()
@@ -279,10 +312,11 @@ def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
         found = re.fullmatch(r"(.*?)(?<!\d)0(\D*)", name)
         if not found:
             continue
-        first, second = (f"{found[1]}{k}{found[2]}" for k in (1, 2))
-        if first in names and second not in names:
-            out |= {name: first, first: second}
-        elif first in names:
+        counted = [f"{found[1]}{k}{found[2]}" for k in range(count + 1)]
+        there = sum(one in names for one in counted)
+        if there == count and counted[-1] not in names:
+            out |= dict(pairwise(counted))
+        elif counted[1] in names and count > 1:
             doubtful |= {f"{found[1]}{k}{found[2]}" for k in range(100)}
     return out, doubtful
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from exoid.ground.errors import RecordingError
 from exoid.measurement.finding import row_ranges
 from exoid.measurement.reading import angles, clock
-from exoid.measurement.reading.columns import Assigned
+from exoid.measurement.reading.columns import Assigned, spare_columns
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.limits import credible
 from exoid.measurement.reading.names import kind_of, recognise
@@ -81,10 +81,14 @@ def _start(
     table: RawTable, assigned: Mapping[str, Assigned], source: Source, name: str, joints: tuple[Joint, ...]
 ) -> Draft:
     """Convert units, leave out what not every joint has, say what was taken for what."""
+    faults = [item.fault for item in assigned.values() if item.fault]
+    assigned = {name: item for name, item in assigned.items() if not item.fault}
     columns = {name: item.column.values * item.factor for name, item in assigned.items()}
     told = frozenset(name for name, item in assigned.items() if item.told)
     valid, file = np.ones(table.row.shape[0], dtype=bool), source.path or name
     draft = Draft(columns, valid, table.row, told, file, table.notes, joints)
+    for fault in faults:
+        draft = draft.noted("columns", "warning", f"left out, and not needed: {fault}")
     epoch = None if "t" in told or "t" not in columns else clock.epoch_unit(columns["t"])
     if epoch:
         first = columns["t"][np.flatnonzero(np.isfinite(columns["t"]))[0]]
@@ -119,7 +123,7 @@ def _outside(
     draft: Draft, columns: Mapping[str, Float], table: RawTable, assigned: Mapping[str, Assigned]
 ) -> tuple[Draft, dict[str, Float]]:
     """Leave out forces that are mostly not numbers, and say of which columns nobody knows what they are."""
-    known = (*force_columns(draft.joints), CONTACT)
+    known = sorted(spare_columns(draft.joints))
     empty = [name for name in known if name in columns and np.isfinite(columns[name]).mean() < 0.5]
     if empty:
         draft = draft.noted("columns", "info", f"{' and '.join(empty)} left out: mostly not numbers")
@@ -325,7 +329,7 @@ def _clock_unit(draft: Draft) -> Draft:
     step = float(np.median(np.diff(t)))
     if unit == "index":
         what = "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?"
-        remedy = "say what one count is: --units t=ms, or --units 't=10 ms' for a row every 10 ms"
+        remedy = "say what one count is: --units t=ms, or --rate 100 for a row every 10 ms"
         return draft.noted("time", "refused", what, "column t", value=step, limit=0.5, remedy=remedy)
     if unit == "s":
         return draft
