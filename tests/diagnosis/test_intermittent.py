@@ -58,6 +58,7 @@ def test_a_foot_on_the_ground_is_suspected_with_phase_and_size(walks):
     assert "passes" in found.phase and "upwards" in found.force
 
 
+@pytest.mark.slow
 def test_no_channel_is_accused_and_no_effect_named(walks):
     answer = discover(MODEL, walks[:2], walks[2:])
     assert answer.verdict == "unexplained" and not answer.accepted
