@@ -48,7 +48,7 @@ class RecordingError(ExoidError):
     """A recording that cannot be used as it is."""
 
     kind = ""
-    """What kind of file it is, where it is no recording at all and can be left out of a folder."""
+    """The kind of a file that is no recording at all and can be left out of a folder; "" for any other."""
 
 
 NO_NUMBERS = "without numbers"

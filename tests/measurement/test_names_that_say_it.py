@@ -86,3 +86,15 @@ def test_an_ankle_at_20_to_75_is_in_degrees(tmp_path):
     (tmp_path / "run.csv").write_text("\n".join(["t,Ankle Angle,Measured Torque (R)", *rows, ""]), encoding="utf-8")
     found = read_recording(tmp_path / "run.csv", joints=(Joint("ankle"),))
     assert np.allclose(found.q[:, 0], q, atol=1e-3)
+
+
+def test_a_spare_column_in_a_unit_that_is_none_of_it_is_left_out_and_told_once(tmp_path):
+    written(tmp_path / "run.csv", "t,q1,q2,tau1,tau2,f1 [kg]", 2, more=(np.full(T.size, 3.0),))
+    found = read_recording(tmp_path / "run.csv")
+    said = [finding.what for finding in found.findings if "f1" in finding.what]
+    assert not found.forces and len(said) == 1 and "left out, and not needed" in said[0]
+    whole = [line.split(",") for line in (tmp_path / "run.csv").read_text("utf-8").splitlines()]
+    (tmp_path / "run.csv").write_text("\n".join(",".join(row[:5]) for row in whole) + "\n", encoding="utf-8")
+    (tmp_path / "plate.csv").write_text("\n".join(f"{row[0]},{row[5]}" for row in whole) + "\n", encoding="utf-8")
+    with pytest.raises(RecordingError, match="is in kg"):  # what is joined was meant
+        read_recording(tmp_path / "run.csv", join=tmp_path / "plate.csv")

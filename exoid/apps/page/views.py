@@ -15,6 +15,7 @@ from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.diagnosis.write_up import best_first
 from exoid.ground.errors import error_json
+from exoid.ground.files import MODEL_FILES
 from exoid.ground.plain import plain_dict
 from exoid.ground.text import printable
 from exoid.measurement.reading.among import left_out_said
@@ -62,6 +63,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "own": list(workspace.own_texts.values()),
         "formats": formats(),
         "suffixes": suffixes(),
+        "model_suffixes": MODEL_FILES,
         "sureness": dict(MEANINGS),
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),
         "ready": session is not None,
@@ -75,7 +77,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
 
 
 def _reading(workspace: Workspace) -> bool:
-    """Whether files are still to be read, so that nobody knows yet whether a recording is among them."""
+    """Files are still to be read, so that nobody knows yet whether a recording is among them."""
     return not all(one.read for one in workspace.given)
 
 

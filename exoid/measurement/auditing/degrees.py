@@ -73,7 +73,7 @@ def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str,
 
 
 def _before_a_gear(draft: Draft) -> bool:
-    """Whether the torques say that angles are turns of a motor.
+    """The torques say that angles are turns of a motor.
 
     Of one joint alone they say nothing of the kind: on a spring or a damper its inertia fits any ratio.
     """

@@ -23,7 +23,9 @@ from exoid.measurement.recording import base_columns
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
 from exoid.symbolic.units import QUANTITIES, SI_UNIT
 
-NO_CLOCK = "say how often it was sampled, in Hz: --rate 100"
+NO_CLOCK = "say how often it was sampled, in Hz: --rate 100 (design: --recorded-rate 100; watch, campaign: a column t)"
+TIMELESS = "give every sample its time, in a column t"
+"""The same where no rate can be said: of a stream, and of what is joined by its clock."""
 LEGS = ("left", "right", "ipsi", "contra")
 OF_JOINTS = ("t", "q", "dq", "ddq", "tau", "f")
 """Quantities of a recording that --units may name."""
@@ -53,20 +55,39 @@ def spare_columns(joints: Sequence[Joint] = LEG) -> frozenset[str]:
 @dataclass(frozen=True)
 class Assigned:
     """A canonical column: where it comes from, `factor` to SI, and whether its unit was `told` by
-    somebody. `fault` is why it cannot be used, of a column that need not be there."""
+    somebody."""
 
     name: str
     column: RawColumn
     unit: str
     factor: float
     told: bool
-    fault: str = ""
 
 
 def assign(
     table: RawTable, told: StatedMapping, *, where: str, joints: Sequence[Joint] = LEG, partial: bool = False
 ) -> dict[str, Assigned]:
     """Return {canonical name: column}; raises RecordingError for a missing, doubtful or doubly used column.
+
+    What is told is as of `assign_usable`.
+    """
+    found, faults = assign_usable(table, told, where=where, joints=joints, partial=partial, no_clock=TIMELESS)
+    for error in faults.values():
+        raise error
+    return found
+
+
+def assign_usable(
+    table: RawTable,
+    told: StatedMapping,
+    *,
+    where: str,
+    joints: Sequence[Joint] = LEG,
+    partial: bool = False,
+    no_clock: str = NO_CLOCK,
+) -> tuple[dict[str, Assigned], dict[str, RecordingError]]:
+    """Return {canonical name: column} of what can be used, and {canonical name: error} of spare columns that cannot;
+    raises RecordingError for any other that is missing, doubtful or used twice.
 
     What is `told` is {canonical: column in the file}, {quantity, canonical name or column: unit} and the leg ("left",
     "right", "ipsi" or "contra") where the file has several; a joint that is told to be passive needs no torque, which
@@ -99,8 +120,9 @@ def assign(
     for name in idle:
         chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
-        _check_missing(chosen, table, where, joints)
+        _check_missing(chosen, table, where, joints, no_clock)
     out: dict[str, Assigned] = {}
+    faults: dict[str, RecordingError] = {}
     for name in canonical_columns(joints):
         if name not in chosen:
             continue
@@ -109,8 +131,8 @@ def assign(
         except RecordingError as error:
             if name not in spare or name in mapping or name in units:
                 raise
-            out[name] = Assigned(name, chosen[name], chosen[name].unit, 1.0, False, f"{error.what} ({error.remedy})")
-    return out
+            faults[name] = error
+    return out, faults
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
@@ -164,7 +186,7 @@ def _offers(
 
 
 def _recognised(name: str, unit: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
-    """Return what a column can be; its unit counts where the name leaves the quantity open: "hip [deg]"."""
+    """Meaning of a column; its unit counts where the name leaves the quantity open: "hip [deg]"."""
     found = recognise(name, joints)
     if found or not unit:
         return found
@@ -266,7 +288,9 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
             raise RecordingError(what, where=where, remedy=f"{hint}known: {', '.join(known)}")
 
 
-def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint]) -> None:
+def _check_missing(
+    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], no_clock: str
+) -> None:
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return
@@ -295,7 +319,7 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
     if missing == ["t"]:
         what = f"no time column was found (columns found: {listed(table.names)})"
-        raise RecordingError(what, where=where, remedy=f"{NO_CLOCK}; or --map t=COLUMN")
+        raise RecordingError(what, where=where, remedy=f"{no_clock}; or --map t=COLUMN")
     remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
     raise error(what, where=where, remedy=remedy)
 

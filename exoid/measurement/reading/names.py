@@ -231,7 +231,7 @@ def _text(text: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
 
 
 def _by_unit(parts: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning | None:
-    """Return what a joint and a unit say where no quantity is named: "hip_deg", "knee_Nm"."""
+    """Meaning of a joint and a unit where no quantity is named: "hip_deg", "knee_Nm"."""
     for used in (2, 1):
         tail = "/".join(parts[-used:])
         found = _sorted_out(parts[:-used], joints) if len(parts) > used else None

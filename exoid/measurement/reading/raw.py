@@ -173,7 +173,7 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def _may_be_unit(text: str) -> bool:
-    """Whether bracketed text may be a unit, also one that nobody knows; a side, and words as "(filtered)", are none."""
+    """Bracketed text may be a unit, also one that nobody knows; a side, and words as "(filtered)", are none."""
     words = words_in(text)
     return is_unit(text.strip()) or not words or not words <= {*FILLERS, *SIDE_WORDS, *FOREIGN}
 

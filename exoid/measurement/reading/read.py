@@ -23,7 +23,7 @@ from exoid.measurement.auditing.degrees import read_degrees
 from exoid.measurement.auditing.unusable import mask_unusable, without_rounding
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.among import read_among
-from exoid.measurement.reading.columns import assign, inferred, legs
+from exoid.measurement.reading.columns import assign_usable, inferred, legs
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.reading.frames import is_table, table_from
 from exoid.measurement.reading.join import joined_pieces
@@ -269,8 +269,8 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     """Return the audited recording in `table`; RecordingError for what refuses it."""
     joints = machine or (LEG if told.columns else inferred(table))
     where = origin.path or name
-    assigned = assign(table, told, where=where, joints=joints)
-    draft = read_degrees(on_one_clock(table, assigned, origin, name, joints), assigned)
+    assigned, faults = assign_usable(table, told, where=where, joints=joints)
+    draft = read_degrees(on_one_clock(table, assigned, origin, name, joints, faults), assigned)
     recording = as_recording(draft, origin, name).with_passive(*told.passive)
     recording = read_as(mask_unusable(without_rounding(recording)), told.convention)
     recording = selected(recording, table, told.only)

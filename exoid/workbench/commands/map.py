@@ -78,10 +78,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _checked(table: Any, told: Any, where: str, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return {canonical name: column} as `told`; RecordingError, which names the option, where something is open."""
-    from exoid.measurement.reading.columns import assign, legs
+    from exoid.measurement.reading.columns import assign_usable, legs
 
     one = replace(told, leg=next(iter(legs(table, joints)), "")) if told.leg == "both" else told
-    return assign(table, one, where=where, joints=joints)
+    return assign_usable(table, one, where=where, joints=joints)[0]
 
 
 def _show(screen: Screen, table: Any) -> None:
