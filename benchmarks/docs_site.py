@@ -63,8 +63,7 @@ def sections() -> list[dict[str, list[dict[str, str]]]]:
 
 def reference() -> str:
     """Return the page of every public name, by the package that it comes from."""
-    import exoid
-
+    exoid = importlib.import_module("exoid")
     lines = ["# API reference", "", "Every name is one of `exoid`: `exoid.discover`, `exoid.Model`, ..."]
     groups: dict[str, list[str]] = {}
     for name in sorted(exoid.__all__, key=str.lower):

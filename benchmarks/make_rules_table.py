@@ -6,7 +6,6 @@ python benchmarks/make_rules_table.py --check    exit status 1 where it is out o
 
 from __future__ import annotations
 
-import ast
 import sys
 from itertools import groupby
 from pathlib import Path
@@ -20,25 +19,12 @@ PAGE = ROOT / "docs" / "statistics.md"
 BEGIN, END = "<!-- rules: written by benchmarks/make_rules_table.py -->", "<!-- end of rules -->"
 
 
-def shown() -> dict[str, str]:
-    """Return for each threshold a test that shows what it prevents: the one marked `pytest.mark.shows(threshold)`."""
-    found: dict[str, str] = {}
-    for path in sorted((ROOT / "tests").rglob("test_*.py")):
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            for mark in getattr(node, "decorator_list", ()):
-                if isinstance(mark, ast.Call) and ast.unparse(mark.func) == "pytest.mark.shows":
-                    for name in mark.args:
-                        assert isinstance(name, ast.Constant) and isinstance(node, ast.FunctionDef)
-                        found[str(name.value)] = node.name
-    return found
-
-
 def table() -> str:
-    tests, lines = shown(), []
+    lines: list[str] = []
     for group, rules in groupby(every_threshold(), key=lambda rule: rule.group):
         lines += ["", f"**{group.capitalize()}**", ""]
-        lines += ["| threshold | value | what it is; what happens without it | shown by |", "|---|---|---|---|"]
-        lines += [f"| `{r.name}` | {r.value:g} | {r.prevents} | {tests.get(r.name, '')} |" for r in rules]
+        lines += ["| threshold | value | what it is; what happens without it |", "|---|---|---|"]
+        lines += [f"| `{r.name}` | {r.value:g} | {r.prevents} |" for r in rules]
     return "\n".join([*lines, ""])
 
 

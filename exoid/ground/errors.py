@@ -47,6 +47,30 @@ class ModelFileError(ExoidError):
 class RecordingError(ExoidError):
     """A recording that cannot be used as it is."""
 
+    kind = ""
+    """The kind of a file that is no recording at all and can be left out of a folder; "" for any other."""
+
+
+NO_NUMBERS = "without numbers"
+
+
+class NoNumbersError(RecordingError):
+    """A file in which no numbers stand."""
+
+    kind = NO_NUMBERS
+
+
+class StandingError(RecordingError):
+    """A recording of a machine that stands still."""
+
+    kind = "without motion"
+
+
+class NoChannelsError(RecordingError):
+    """A table in which neither an angle nor a torque is found."""
+
+    kind = "without angles and torques"
+
 
 class NotEnoughDataError(ExoidError):
     """Recordings that are readable but cannot carry the question asked of them."""

@@ -8,6 +8,10 @@ from pathlib import Path
 from exoid.ground.delivery import deliver
 from exoid.ground.inputs import open_input
 
+ROBOT_FILE = ".urdf"
+MODEL_FILES = (".toml", ROBOT_FILE)
+"""Suffixes of what may be given as a model."""
+
 
 def write_whole(
     path: str | Path, content: str | bytes, *, at_once: bool = False, inside: Path | None = None

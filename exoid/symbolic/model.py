@@ -371,10 +371,21 @@ class Model:
 
     @staticmethod
     def load(path: str | Path) -> Model:
-        """Read a model file; ModelFileError says what is wrong, in which line, and what to do."""
+        """Read a model file, or a URDF; ModelFileError says what is wrong, in which line, and what to do."""
         from exoid.symbolic.model_file import read_model
 
         return read_model(path)
+
+    @staticmethod
+    def from_urdf(path: str | Path, joints: Sequence[str] = (), gravity: float | None = None) -> Model:
+        """Return the machine that the `joints` of a robot's URDF make (default: all that move), in a plane or in space.
+
+        Others stand still at zero. `gravity` in m/s² is that within the plane of a planar machine, or downwards (9.81).
+        RobotFileError says what is wrong with the file or its joints.
+        """
+        from exoid.symbolic.model_file import read_robot_model
+
+        return read_robot_model(path, joints, gravity)
 
     def save(self, path: str | Path, fit: Identified | None = None) -> Path:
         """Write the model, with the numbers of `fit` where given, whole or not at all; return the path.

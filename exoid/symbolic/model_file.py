@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from exoid.ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
-from exoid.ground.files import write_whole
+from exoid.ground.files import ROBOT_FILE, write_whole
 from exoid.ground.ours import WRITTEN
 from exoid.ground.toml_reader import Table, read_toml
 from exoid.symbolic.custom_effect import read_custom_effect
@@ -35,6 +35,8 @@ from exoid.symbolic.joints import (
 from exoid.symbolic.mechanics.body import BodyError
 from exoid.symbolic.model import TABLE_1, UNLIMITED, Limits, Model
 from exoid.symbolic.quantity import JOINTS, Estimate
+from exoid.symbolic.robot_file import read_robot
+from exoid.symbolic.spatial_machine import robot_machine
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,12 +66,26 @@ class Numbers:
 
 
 def read_model(path: str | Path) -> Model:
-    """Read a model file; ModelFileError says what is wrong, in which line, and what to do."""
+    """Read a model file, or the machine of all joints that move in a robot's URDF.
+
+    ModelFileError says what is wrong, in which line, and what to do; of a URDF, RobotFileError does.
+    """
+    if Path(path).suffix.lower() == ROBOT_FILE:
+        return read_robot_model(path)
     return _model(_load(path))
 
 
+def read_robot_model(path: str | Path, joints: Sequence[str] = (), gravity: float | None = None) -> Model:
+    """Read the model of a robot's URDF; see `Model.from_urdf`."""
+    return robot_machine(read_robot(path), joints, gravity, str(path)).model
+
+
 def read_numbers(path: str | Path) -> Numbers | None:
-    """Read the `[identified]` numbers of a model file; None where it has none, ModelFileError where they are wrong."""
+    """Read the `[identified]` numbers of a model file; None where it has none, as a URDF, ModelFileError where they are
+    wrong.
+    """
+    if Path(path).suffix.lower() == ROBOT_FILE:
+        return None
     top = _load(path)
     model = _model(top)
     if "identified" not in top.values:

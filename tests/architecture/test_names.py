@@ -1,11 +1,9 @@
-"""A public name means one thing: no two classes or functions of the packages share one."""
+"""Names: what plug-ins define, and that functions are named in code, not in texts."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections import defaultdict
-from pathlib import PurePosixPath
 
 from tests.architecture.source import PACKAGE, SOURCES, faults, tree_of
 
@@ -23,21 +21,6 @@ PLUG_INS = {
     "diagnosis/hypotheses": {"claims", "said"},
 }
 """What each file of a folder of plug-ins defines for whoever reads the folder."""
-
-ENTRY = "main"
-"""Where a process begins; each program has one."""
-
-
-def test_no_two_classes_or_functions_share_a_name():
-    places = defaultdict(set)
-    for path in SOURCES:
-        file = PurePosixPath(path.relative_to(PACKAGE))
-        ours = {ENTRY}.union(*(names for folder, names in PLUG_INS.items() if file.parent.match(folder)))
-        for node in tree_of(path).body:
-            if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and node.name not in ours:
-                places[node.name].add(f"{file}:{node.lineno}")
-    shared = {name: sorted(found) for name, found in places.items() if len(found) > 1 and not name.startswith("_")}
-    assert shared == {}
 
 
 def test_every_plug_in_name_is_used():

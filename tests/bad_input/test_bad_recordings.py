@@ -74,7 +74,7 @@ CASES = {
     "no torque": (table(tau1=NONE, tau2=NONE), {}, "no torque changes (0 N·m, 0 N·m)", "--map tau1=COLUMN"),
     "time stands still": (table(t=NONE), {}, "the time is the same in every row", "--map t=COLUMN"),
     "two recordings": (table() + table().split("\n", 1)[1], {}, "the clock starts again", "one file per recording"),
-    "row numbers for time": (table(t=T * 100), {}, "counts 0, 1, 2", "--units 't=10 ms'"),
+    "row numbers for time": (table(t=T * 100), {}, "counts 0, 1, 2", "--rate 100"),
     "slow": (table(t=T * 20), {"units": {"t": "s"}}, "sampled at 5 Hz, too slow", "100 Hz or faster"),
     "row names without a header": (
         table("q1,q2,tau1,tau2"),

@@ -75,7 +75,6 @@ def test_two_of_six_are_found_and_three_are_not(runs):
     assert len(names([turned(six[0]), stuck(six[1]), turned(six[2]), *six[3:]])) < 3
 
 
-@pytest.mark.shows("worth_telling")
 def test_a_little_more_is_no_other_machine():
     alike = [drive(k, noise=0.01) for k in range(4)]
     heavier = drive(4, numbers=NUMBERS * [1.05, 1.05, 1.0, 1.0], noise=0.01)
@@ -83,7 +82,6 @@ def test_a_little_more_is_no_other_machine():
     assert names([*alike, heavier], worth_telling=0.0005) == ["run_4"]
 
 
-@pytest.mark.shows("near_noise")
 def test_a_motion_in_which_an_effect_is_large_is_not_apart():
     varied = [drive(k, quadratic=1.0) for k in range(4)]
     assert names([*varied, drive(7, quadratic=1.0)]) == []

@@ -56,7 +56,6 @@ def with_torque(one: Recording, tau) -> Recording:
     return replace(one, tau=tau)
 
 
-@pytest.mark.shows("near_noise")
 def test_a_good_recording_raises_no_doubt(good):
     fitted = base(good[:2], good[2:])
     assert model_error(fitted, replace(RULES, near_noise=0.5)) is not None
@@ -78,7 +77,6 @@ def test_noise_for_torque(good, cutoff):
     assert found is not None and "variance unexplained" in found.sentence and "--map" in found.remedy
 
 
-@pytest.mark.shows("unexplained_share")
 def test_torque_of_another_motion(good):
     fitted = base([with_torque(one, good[(k + 1) % 3].tau) for k, one in enumerate(good)])
     assert doubts_after(fitted, fitted) is not None
@@ -110,7 +108,6 @@ def test_one_recording_with_the_torque_of_another_motion_is_named(good):
     assert found.remedy.startswith(f"begin with {odd.name}: ")
 
 
-@pytest.mark.shows("least_share", "little", "late_delay")
 @pytest.mark.parametrize("late", [0.3, -0.2])
 def test_torque_logged_late_or_early(good, late):
     fitted = base([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
@@ -150,7 +147,6 @@ def delayed(seconds):
     return lambda t, tau: np.column_stack([np.interp(t - seconds, t, column) for column in tau.T])
 
 
-@pytest.mark.shows("most")
 def test_a_fast_filter_on_the_torque_may_be_what_a_delay_stands_for():
     def behind(hertz):
         pole = np.exp(-2.0 * np.pi * hertz / 100.0)
@@ -175,7 +171,6 @@ def test_one_late_channel_is_told_from_a_late_logger(good):
     assert found is not None and found.sentence.startswith("The torque of the knee does not")
 
 
-@pytest.mark.shows("angle_noise")
 def test_angles_too_noisy_for_accelerations(good):
     rng = np.random.default_rng(1)
     noisy = [replace(one, q=one.q + 0.05 * rng.normal(size=one.q.shape)) for one in good]
@@ -186,7 +181,6 @@ def test_angles_too_noisy_for_accelerations(good):
     assert unseen_by(fitted, angle_noise=1.0)
 
 
-@pytest.mark.shows("near_noise", "little")
 def test_held_out_recordings_of_another_leg(good):
     other = BETA * np.array([1.4, 1.6, 1.5, 0.5, 1.3, 0.7, 1.4, 1.2])
     fitted = base(good[:2], [recording(9, beta=other)])
@@ -290,7 +284,6 @@ def test_real_rigs_raise_no_doubt_and_their_error_is_no_noise(shared_data, folde
         assert error is not None and error.times > 5.0
 
 
-@pytest.mark.shows("negligible")
 def test_a_leg_that_is_moved_by_hand_while_its_drives_carry_it_shows_nothing_but_its_weight(good):
     rng = np.random.default_rng(5)
 

@@ -28,6 +28,7 @@ def answers(threads: int = 1, kernel: str = "", change: float = 0.0) -> Any:
     return json.loads(run.stdout)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "other",
     [{"threads": 4, "kernel": "Nehalem"}, {"change": 1e-12}],

@@ -30,6 +30,7 @@ def said(recordings):
     return found.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pelvis", [0.0, 0.5])
 def test_inverse_dynamics_of_gait_is_a_foot_on_the_ground(tmp_path, pelvis):
     recordings = []

@@ -58,6 +58,7 @@ def test_a_foot_on_the_ground_is_suspected_with_phase_and_size(walks):
     assert "passes" in found.phase and "upwards" in found.force
 
 
+@pytest.mark.slow
 def test_no_channel_is_accused_and_no_effect_named(walks):
     answer = discover(MODEL, walks[:2], walks[2:])
     assert answer.verdict == "unexplained" and not answer.accepted
@@ -72,7 +73,6 @@ def test_in_the_air_nothing_is_suspected():
     assert intermittent(with_torque(lambda one, rng: np.zeros(one.tau.shape))) is None
 
 
-@pytest.mark.shows("trimmed.PART")
 def test_contact_is_no_convention(walks, monkeypatch):
     assert check_conventions(walks) == ()
     monkeypatch.setattr(trimmed, "PART", 0.95)
@@ -118,7 +118,6 @@ def test_what_is_now_small_now_large_has_no_quiet_part():
     assert intermittent(base, replace(RULES, most=0.0)) is not None
 
 
-@pytest.mark.shows("intermittent.TIMES")
 def test_a_load_that_hangs_there_twice_is_no_contact(monkeypatch):
     def load(one, rng):
         since = one.t - rng.uniform(4.0, 6.0)

@@ -62,7 +62,6 @@ def test_no_sway_is_seen_where_none_is_or_where_it_is_the_lesser_part():
     assert own_sway(last, NOISE, replace(RULES, half=1.0)) is None
 
 
-@pytest.mark.shows("half")
 @pytest.mark.parametrize(("ripple", "seen"), [(1.3, True), (2.2, False)])
 def test_a_sway_must_be_most_of_what_is_more_than_noise(ripple, seen):
     last = fitted([{**sway(phase), "torque_ripple:hip": ([ripple, 0.0], [9.0])} for phase in PHASES])

@@ -51,6 +51,7 @@ def chain(*lengths):
     return Model("chain", limits=limits, joints=joints)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lengths", "wrong"), [((0.62, 0.4), "boom"), pytest.param((0.5, 0.3), "arm", marks=pytest.mark.slow)]
 )

@@ -90,7 +90,6 @@ def test_noise_of_filtered_torques_is_no_measure():
     assert "times the noise" not in answer.sentence + answer.rule and "filtered before" in answer.sentence
 
 
-@pytest.mark.shows("clocks.CHANCE", "clocks.APART", "clocks.SHARE")
 @pytest.mark.parametrize(
     ("rate", "error", "share", "said"),
     [(1e-3, 1e-4, 0.1, True), (1e-3, 2.5e-4, 0.1, False), (1e-4, 1e-6, 0.1, False), (1e-3, 1e-4, 0.01, False)],
@@ -99,7 +98,6 @@ def test_clocks_differ_where_it_is_no_chance_large_enough_and_explains_something
     assert _is_apart(ClockRate("run", rate, error, share, seconds=30.0), recordings=1) is said
 
 
-@pytest.mark.shows("smoothed.ENCODER")
 @pytest.mark.parametrize(("noise", "said"), [(1e-7, True), (2e-6, False)])
 def test_less_noise_than_that_of_a_good_encoder_is_said(noise, said):
     given = [recording(k, noise=0.05, angle_noise=noise) for k in range(2)]
@@ -107,7 +105,6 @@ def test_less_noise_than_that_of_a_good_encoder_is_said(noise, said):
     assert bool(found & {ANGLES, FILTERED}) is said
 
 
-@pytest.mark.shows("smoothed.SENSOR", "smoothed.NOISY")
 @pytest.mark.parametrize(("noise", "of_torques", "of_angles"), [(1e-6, True, ANGLES), (3e-3, False, ANGLES),
                                                                (0.3, False, FILTERED)])  # fmt: skip
 def test_torques_without_noise_are_said_and_angles_beside_noisy_torques_were_filtered(noise, of_torques, of_angles):

@@ -51,14 +51,12 @@ def test_a_model_is_fitted_once_from_the_same_start(plain):
     assert plain.fit(more, np.array([0.05])) is not plain.fit(more, np.array([0.5]))
 
 
-@pytest.mark.shows("most_terms")
 def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
     start = replace(state_with(plain), banned=frozenset({"torque_offset:knee"}))
     assert "torque_offset:knee" not in forward(plain, start).names
     assert len(forward(replace(plain, rules=replace(plain.rules, most_terms=1)), state_with(plain)).names) == 1
 
 
-@pytest.mark.shows("strict_level")
 def test_prune_drops_what_the_later_terms_made_superfluous(plain):
     state = state_with(plain, "viscous_cubic:hip", "stribeck:hip")
     assert prune(plain, state).names == ("stribeck:hip",)

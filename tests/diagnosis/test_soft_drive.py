@@ -45,7 +45,6 @@ def fitted(model: Model, runs: list[Recording]) -> FittedModel:
     return fitted_model(identify(model, prepared.train, optimisers=()), prepared)
 
 
-@pytest.mark.shows("artefact")
 @pytest.mark.parametrize(("joint", "compliance"), [("hip", 0.005), ("knee", 0.015)])
 def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(joint, compliance):
     base = fitted(MODEL, [behind(("hip", "knee").index(joint), compliance, k) for k in range(3)])
@@ -56,7 +55,6 @@ def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(
     assert soft_drive(base, base, base.evaluation_rms) is None  # it is not asked about noise
 
 
-@pytest.mark.shows("half")
 def test_how_much_better_a_soft_drive_must_be():
     base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
     assert soft_drive(base, base, 0.1 * NOISE, replace(RULES, half=1e-4)) is None
@@ -74,7 +72,6 @@ def test_a_soft_drive_explains_the_motion_it_was_fitted_to_as_well(monkeypatch):
         assert (soft_drive(base, last, 0.01 * NOISE) is not None) is kept
 
 
-@pytest.mark.shows("artefact")
 def test_what_a_soft_drive_leaves_is_counted_beyond_the_noise_and_at_all_joints_together(monkeypatch):
     """At the knee it leaves two thirds of the squared error: nearly all of that is noise."""
     base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
@@ -103,7 +100,6 @@ def test_a_few_seconds_show_no_soft_drive():
     assert soft_drive(fitted(MODEL, runs), fitted(MODEL, runs), NOISE) is None
 
 
-@pytest.mark.shows("little")
 def test_nothing_is_searched_for_beside_a_drive_that_is_plainly_soft():
     base = fitted(MODEL, [behind(0, 0.008, k) for k in range(3)])
     found = plainly_soft(base, NOISE)

@@ -30,7 +30,6 @@ from exoid.symbolic.motion import Motion
 OFFSET = {"torque_offset:knee": ([0.6], [])}
 
 
-@pytest.mark.shows("most_splits")
 def test_all_splits_where_there_are_few_and_random_ones_where_there_are_many():
     assert splits_of(1, 0, RULES) == ()
     assert splits_of(2, 1, RULES) == ((0,), (1,))
@@ -70,7 +69,6 @@ def test_a_split_is_a_refit_without_the_recordings_set_aside():
     assert 2 in agreement.against
 
 
-@pytest.mark.shows("robust")
 def test_a_term_is_judged_like_the_candidate_it_was():
     context = search(OFFSET, ["torque_offset:knee"])
     state = state_with(context, "torque_offset:knee")
@@ -103,7 +101,6 @@ def test_a_candidate_of_a_single_recording_is_not_asked_of_splits():
     assert Splits(evidence).candidate(score, context.columns_of(score, start.fitted)) == Agreement()
 
 
-@pytest.mark.shows("level", "many_recordings")
 @pytest.mark.parametrize(
     ("accepted", "recordings", "repeats"), [(96, 7, True), (92, 7, False), (96, 5, False), (100, 5, False)]
 )
@@ -168,7 +165,6 @@ def test_a_peak_of_which_only_the_flank_shows_is_there_all_the_same(correlation,
     assert (undetermined(after, "stribeck:hip") == "") is shown
 
 
-@pytest.mark.shows("most")
 def test_what_few_splits_support_is_listed_as_possible():
     context = search(OFFSET, ["torque_offset:knee"], scales=(1.0, 1.0, 1.0, 1.0, -0.7, -0.7), verify=2)
     state = state_with(context)
@@ -182,7 +178,6 @@ def test_what_few_splits_support_is_listed_as_possible():
     assert possible_of(context, state, False) == ()
 
 
-@pytest.mark.shows("least_periods")
 def test_nothing_is_accepted_on_a_few_periods_and_enough_is_said():
     context = search(OFFSET, ["torque_offset:knee"], scales=(1.0,), verify=0)
     text = little_motion(context.prepared, RULES)
@@ -211,7 +206,6 @@ def test_the_same_motion_is_as_much_however_fast_it_was(times):
     assert little_motion(prepared, RULES) == ""
 
 
-@pytest.mark.shows("least_strokes")
 def test_what_a_joint_showed_in_few_strokes_is_not_accepted_there():
     """The knee goes one way and back, and stays; the hip moves all the time."""
     prepared = search(OFFSET, ["torque_offset:knee"]).prepared

@@ -53,7 +53,6 @@ def cut(q, stances=None, rate=25.0):
     return cut_into_strides(q, np.arange(len(q)) / rate, stances, np.ones(q.shape[1]))
 
 
-@pytest.mark.shows("strides.ALIKE")
 @pytest.mark.parametrize(("spread", "alike"), [(0.2, True), (0.8, False)])
 def test_strides_of_very_different_sizes_are_not_laid_over_one_another(spread, alike, monkeypatch):
     t = np.arange(0.0, 30.0, 0.04)

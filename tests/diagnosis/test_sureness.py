@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.sureness import AGREEING, FAIRLY, MEANINGS, RARE, UNSURE, VERY, least_sure, meanings_of, sureness
@@ -11,7 +9,6 @@ from exoid.diagnosis.sureness import AGREEING, FAIRLY, MEANINGS, RARE, UNSURE, V
 ALL, MOST, HALF = Agreement(4, 4), Agreement(17, 20), Agreement(2, 4)
 
 
-@pytest.mark.shows("sureness.RARE", "sureness.AGREEING")
 def test_very_sure_needs_rare_placebos_and_agreeing_splits():
     assert sureness(RARE, ALL) == VERY
     assert sureness(2 * RARE, ALL) == FAIRLY  # one in a few hundred by chance alone

@@ -81,7 +81,6 @@ def test_samples_know_recording_and_block():
     assert at.x.max() == pytest.approx(19.98)
 
 
-@pytest.mark.shows("where.CONCENTRATED", "where.LEAST_REGION", "where.SLOW", "where.AT_LIMIT")
 @pytest.mark.parametrize(
     ("inside", "share", "said"),
     [
@@ -101,7 +100,6 @@ def test_a_region_is_said_where_it_holds_more_error_than_every_region_does(insid
     assert any(said in text for text in sentences) if said else not sentences
 
 
-@pytest.mark.shows("where.LEAST_SHARE")
 @pytest.mark.parametrize(("share", "lines"), [(0.015, 1), (0.008, 0)])
 def test_a_curve_is_worth_a_line_from_a_hundredth_of_the_error(share, lines):
     now = model_that_left(lambda motion: np.sin(3.0 * motion.q[:, 1]))

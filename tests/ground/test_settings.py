@@ -66,7 +66,6 @@ def test_a_value_that_cannot_be_is_refused_wherever_it_is_given(words, message):
             make(**words)
 
 
-@pytest.mark.shows("most_per_joint")
 def test_machines_of_many_joints_may_have_more_effects():
     assert [DiscoverySettings().limited(joints).most_terms for joints in (1, 3, 6)] == [6, 6, 12]
 

@@ -46,7 +46,6 @@ def test_a_base_that_leans_by_degrees_is_read_as_the_joints_are():
     assert recording.base[:, 0].max() < 0.2
 
 
-@pytest.mark.shows("units.EACH", "units.ROUND")
 @pytest.mark.parametrize(
     ("columns", "how"),
     [

@@ -241,25 +241,21 @@ def disturbed(run, size):
     return replace(run, tau=run.tau + size * run.tau.std(axis=0) * waves)
 
 
-@pytest.mark.shows("convention.GOOD")
 @pytest.mark.parametrize(("size", "named"), [(0.5, True), (0.55, False)])
 def test_a_reading_that_fits_badly_itself_is_not_named(size, named):
     assert (better_reading([kept(disturbed(motion(), size), "load-torque")]) is not None) is named
 
 
-@pytest.mark.shows("convention.TIMES")
 @pytest.mark.parametrize(("size", "named"), [(0.3, True), (0.35, False)])
 def test_a_reading_is_named_where_it_leaves_four_times_less(size, named):
     assert (better_reading([kept(disturbed(motion(), size), "flexion-positive")]) is not None) is named
 
 
-@pytest.mark.shows("convention.DOUBT", "convention.SLIGHT_TIMES")
 @pytest.mark.parametrize(("size", "named"), [(0.02, True), (0.05, False)])
 def test_recordings_of_which_little_is_left_are_doubted_only_where_another_reading_is_far_better(size, named):
     assert (better_reading([kept(disturbed(motion(), size), "absolute-shank")]) is not None) is named
 
 
-@pytest.mark.shows("convention.SLIGHT_DOUBT")
 @pytest.mark.parametrize(("mass", "named"), [(0.3, False), (2.0, True)])
 def test_recordings_of_which_nearly_nothing_is_left_are_not_doubted(mass, named):
     t, q, dq, _ = moved(0)
@@ -269,7 +265,6 @@ def test_recordings_of_which_nearly_nothing_is_left_are_not_doubted(mass, named)
     assert (better_reading([kept(run, "absolute-shank")]) is not None) is named
 
 
-@pytest.mark.shows("hypotheses.TURNING")
 @pytest.mark.parametrize(("ratio", "named"), [(5.0, False), (8.0, True)])
 def test_a_gear_is_looked_for_where_an_angle_turns_far(ratio, named):
     t, q, dq, _ = moved(0)
@@ -290,14 +285,12 @@ def shares(*powers):
     return float(power_left._shares([sums], np.eye(count)[None], np.inf)[0])
 
 
-@pytest.mark.shows("power_left.QUIET", "power_left.PASSIVE")
 @pytest.mark.parametrize(("size", "counts"), [(0.12, 1.0), (0.08, 0.64), (0.025, 0.0625), (0.015, 0.000225)])
 def test_the_noise_of_a_light_joint_chooses_no_reading(size, counts):
     """The torque of the other joint varies by 1 N·m and counts once."""
     assert shares(1.0, size**2) - 1.0 == pytest.approx(counts, rel=1e-3)
 
 
-@pytest.mark.shows("power_left.STANDS")
 @pytest.mark.parametrize(("deviation", "moves"), [(0.007, False), (0.014, True)])
 def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, moves, monkeypatch):
     seen = []
@@ -309,7 +302,6 @@ def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, move
     assert seen == [[True, moves]]
 
 
-@pytest.mark.shows("convention.AS_GOOD")
 @pytest.mark.parametrize(("plain", "named"), [(0.013, 1), (0.017, 2)])
 def test_the_reading_with_the_fewest_names_is_named_of_those_that_fit_about_as_well(plain, named, monkeypatch):
     """The better of two readings needs two names and leaves a hundredth; the other needs one."""
@@ -317,7 +309,6 @@ def test_the_reading_with_the_fewest_names_is_named_of_those_that_fit_about_as_w
     assert len(better_reading([motion()]).reading.names) == named
 
 
-@pytest.mark.shows("power_left.QUIET")
 @pytest.mark.parametrize(("hip", "named"), [(0.08, "load-torque"), (0.12, "swapped-joints")])
 def test_a_torque_next_to_nothing_speaks_for_no_swap(hip, named, monkeypatch):
     _readings(monkeypatch, {("swapped-joints", "base-driven-shank"): 0.01, ("load-torque",): 0.02}, hip)
@@ -336,7 +327,6 @@ def _readings(monkeypatch, left, hip=1.0):
     monkeypatch.setattr(convention, "power_left", lambda sets, kinds, most: np.array([found[k.names] for k in kinds]))
 
 
-@pytest.mark.shows("hypotheses.WRONG")
 @pytest.mark.parametrize(("now", "tried"), [(0.35, False), (0.45, True)])
 def test_readings_of_many_names_are_tried_where_the_recordings_are_very_wrong(now, tried):
     found = (one for stage in stages(now, []) for one in stage([]))

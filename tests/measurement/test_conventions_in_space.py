@@ -96,6 +96,7 @@ def test_an_arm_read_rightly_is_not_doubted(joints, pull):
     assert not check_conventions([moved(joints, pull)], pull)
 
 
+@pytest.mark.slow
 def test_of_several_recordings_the_odd_one_is_named():
     runs = [replace(moved(ARM), name=f"run_{k}") for k in range(3)]
     (finding,) = check_conventions([*runs[:2], kept(runs[2], "elbow-negated")], DOWN)

@@ -138,7 +138,6 @@ def plate(offset=0.0, swing=0.4):
     return offset + noise + 600.0 * np.sin(np.pi * np.clip(phase / (1.0 - swing), 0.0, 1.0))
 
 
-@pytest.mark.shows("tared.OFF", "tared.SWING", "tared.LOW")
 @pytest.mark.parametrize(
     ("values", "told"),
     [

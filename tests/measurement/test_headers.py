@@ -205,5 +205,5 @@ def test_names_in_two_rows_and_frames_for_time(name, tmp_path):
 
 def test_frames_without_a_rate_are_no_time(tmp_path):
     path = written(tmp_path / "run.csv", "Frame,q1,q2,tau1,tau2", [FRAME, *(LEG[n] for n in COLUMNS[1:])])
-    with pytest.raises(RecordingError, match="no column for t"):
+    with pytest.raises(RecordingError, match="no time column"):
         read_recording(path)

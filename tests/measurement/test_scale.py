@@ -19,7 +19,6 @@ def test_torques_of_one_leg_are_left_alone(seed):
     assert check(recording(hip=3.0, knee=3.0, seed=seed)) == []
 
 
-@pytest.mark.shows("scale.DOUBT")
 @pytest.mark.parametrize(("hip", "knee"), [(1.0, 1 / 6), (1.0, 50.0), (1 / 20, 1.0)])
 def test_the_factor_that_the_leg_wants_is_said(hip, knee):
     (found,) = check(recording(hip, knee))

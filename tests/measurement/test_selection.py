@@ -91,7 +91,6 @@ def test_a_switch_that_never_changes_leaves_nothing_out():
     assert chosen(one).all() and any("hardly changes" in found.what for found in one.findings)
 
 
-@pytest.mark.shows("stance.LOADED")
 def test_an_insole_is_never_quite_zero(monkeypatch):
     load = np.where(np.arange(400) % 100 < 60, 300.0, 4.0) + np.random.default_rng(0).uniform(0.0, 6.0, 400)
     assert 0.3 < chosen(read_recording(table(insole_force=load))).mean() < 0.4

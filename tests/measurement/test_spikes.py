@@ -40,7 +40,6 @@ def swing(rate: float, noise: float, seed: int) -> np.ndarray:
     return (tau + noise * np.random.default_rng(seed).standard_normal(t.size))[:, None]
 
 
-@pytest.mark.shows("spikes.SPIKE")
 @pytest.mark.parametrize("rate", [100.0, 500.0, 1000.0])
 @pytest.mark.parametrize("noise", [0.005, 0.05, 0.5])
 def test_eight_deviations_are_a_spike_and_noise_is_none(rate, noise):
@@ -54,7 +53,6 @@ def test_eight_deviations_are_a_spike_and_noise_is_none(rate, noise):
     assert spikes(three, rate)[hit].mean() < 0.2
 
 
-@pytest.mark.shows("spikes.ALONE")
 @pytest.mark.parametrize("jump", [0.5, 5.0, 50.0])
 def test_dry_friction_that_reverses_is_no_spike(jump):
     tau = swing(100.0, 0.02, seed=3)
@@ -63,7 +61,6 @@ def test_dry_friction_that_reverses_is_no_spike(jump):
     assert spikes(tau + back[:, None], 100.0).mean() < 0.005
 
 
-@pytest.mark.shows("spikes.CROWD")
 def test_chatter_is_hidden_whole():
     rng = np.random.default_rng(5)
     tau = swing(100.0, 0.05, seed=5)
@@ -84,7 +81,6 @@ def test_what_is_unknown_or_constant_has_no_spikes():
     assert not spikes(np.zeros((0, 1)), 100.0).any()
 
 
-@pytest.mark.shows("spikes.AGAIN")
 def test_means_of_samples_judged_before_are_spikes_only_where_they_are_plain():
     tau = swing(100.0, 0.02, seed=6)
     hit = np.random.default_rng(7).random(tau.shape) < 0.01

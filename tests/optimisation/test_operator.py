@@ -150,7 +150,6 @@ def test_missing_rows_are_hidden_and_their_neighbours_are_right():
         assert left(one, model, linear) < 1.15 * 0.02 * np.sqrt(0.16)
 
 
-@pytest.mark.shows("prepare.NOTED", "prepare.MANY")
 @pytest.mark.parametrize(("every", "said"), [(1000, ""), (100, "repaired"), (30, "warning")])
 def test_the_share_hidden_as_spikes_is_said_and_much_of_it_warned_of(every, said):
     model, linear = bench(None)

@@ -126,6 +126,7 @@ def test_a_payload_in_space_is_pinocchios():
         np.testing.assert_allclose(found[k], with_it - without, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_known_mass_tells_gains_of_an_arm_in_space():
     hidden = (parse_hidden("drive_gain:j1=0.08"),)
     bench, arm = Bench(duration=12.0), standard_machine(ARM)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exoid.symbolic import read_model
+import exoid
+from exoid.symbolic import Model, read_model
 from exoid.symbolic.planar_machine import NotPlanarError, moving_with, planar_machine
 from exoid.symbolic.robot_file import RobotFileError, parse_robot, read_robot
 from exoid.symbolic.spatial_machine import robot_machine
@@ -203,3 +204,18 @@ def test_two_of_one_name_are_refused(kind, once, again):
 def test_numbers_that_no_machine_has_are_refused(number):
     with pytest.raises(RobotFileError, match="is not 3 numbers"):
         parse_robot(LEG.replace('xyz="0 0 -0.4"', f'xyz="0 0 {number}"').encode())
+
+
+def test_a_urdf_is_a_model_wherever_one_is_asked_for(tmp_path, capsys):
+    path = tmp_path / "arm.urdf"
+    text = LEG.replace("hip-yaw\" type=\"revolute", "hip-yaw\" type=\"fixed").replace("continuous", "fixed")
+    path.write_text(text.replace("knee\" type=\"revolute", "knee\" type=\"fixed"), encoding="utf-8")
+    models = [read_model(path), Model.load(path), Model.from_urdf(path), exoid.read_model(str(path))]
+    assert {one.joint_names for one in models} == {("hip",)}
+    assert Model.from_urdf(path, joints=["hip"], gravity=0.0).gravity == 0.0
+    out = tmp_path / "runs"
+    assert main(["simulate", str(path), "--duration", "3", "--out", str(out), "--quiet"]) == 0
+    assert main(["compare", str(out), "--model", str(path), "--quiet"]) == 0
+    path.write_text("no robot", encoding="utf-8")
+    assert main(["compare", str(out), "--model", str(path)]) == 2
+    assert "not valid XML" in capsys.readouterr().err

@@ -96,6 +96,7 @@ def _wrong(joints, pull, *rest):
     return lagrange_torques(joints, tuple(1.0001 * part for part in pull), *rest)
 
 
+@pytest.mark.slow
 def test_lagrange_by_sympy_gives_every_column():
     """Column by column: energies of one unit of each of a link's ten parameters, differentiated by SymPy."""
     import sympy as sp

@@ -22,10 +22,11 @@ from exoid.apps.page.guard import Guard
 from exoid.apps.page.message import LONGEST, RELOAD, obey, read_message
 from exoid.apps.page.reply import number_in
 from exoid.ground.errors import ExoidError, RecordingError, error_json, internal
+from exoid.ground.files import MODEL_FILES
 from exoid.ground.folder import with_apps
 from exoid.measurement.reading.limits import MOST_BYTES
 from exoid.measurement.reading.mapping import FILE as MAPPING
-from exoid.measurement.reading.sources import is_recording
+from exoid.measurement.reading.sources import kind_of_file
 from exoid.workbench.report import page as report
 
 if TYPE_CHECKING:
@@ -113,13 +114,13 @@ async def _upload(workspace: Workspace, request: Request) -> Response:
     def take() -> dict[str, Any]:
         if target.name == MAPPING:
             workspace.use_mapping(target)
-        elif target.suffix == ".toml":
+        elif target.suffix.lower() in MODEL_FILES:
             workspace.use_model(target, name)
-        elif "folder" in request.query_params and not is_recording(target):
+        elif "folder" in request.query_params and (kind := kind_of_file(target)):
             target.unlink()
-            return {"passed_over": shown_name(name)}
+            workspace.leave_out(kind, shown_name(name))
         else:
-            return {"id": workspace.add_file(target, name, role).id}
+            return {"id": workspace.add_file(target, name, role, among="folder" in request.query_params).id}
         return {}
 
     return JSONResponse(await anyio.to_thread.run_sync(take))

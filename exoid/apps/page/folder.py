@@ -108,7 +108,7 @@ class SessionFolder:
         if is_inside(os.path.realpath(source), self.folder):
             return Path(os.path.realpath(source)).relative_to(self.folder).as_posix()
         text = source.read_bytes()
-        target = self.folder / f"base-{sha256(text)[:DIGITS]}.toml"
+        target = self.folder / f"base-{sha256(text)[:DIGITS]}{source.suffix.lower()}"
         write_whole(target, text, at_once=True, inside=self.folder)
         self._copied[target.name] = source
         return target.name
@@ -140,7 +140,7 @@ class SessionFolder:
         """
         kept = set(named)
         runs = self.folder / RECORDINGS
-        ours = {path for path in self.folder.glob("base-*.toml") if COPY.fullmatch(path.name)}
+        ours = {path for path in self.folder.glob("base-*") if COPY.fullmatch(path.name)}
         ours |= {path for path in runs.glob("*") if COPY.fullmatch(path.name)}
         ours |= {self.folder / name for name in before if NAME.fullmatch(name)}
         for path in sorted(ours):

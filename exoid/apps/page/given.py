@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exoid.ground.errors import ExoidError, error_json
+from exoid.ground.errors import ExoidError, RecordingError, error_json
 from exoid.ground.text import printable
 from exoid.measurement.reading.mapping import StatedMapping
 
@@ -37,6 +37,13 @@ class Given:
     recordings: tuple[Recording, ...] = ()
     error: ExoidError | None = None
     read: bool = False
+    among: bool = False
+    """Whether the file stood in a folder, where other files may stand."""
+
+    @property
+    def is_other(self) -> bool:
+        """Whether the file stood in a folder and is no recording."""
+        return self.among and isinstance(self.error, RecordingError) and bool(self.error.kind)
 
     @property
     def files(self) -> frozenset[Path]:
@@ -117,7 +124,7 @@ def _named(given: Given, recordings: tuple[Recording, ...]) -> tuple[Recording, 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from exoid.measurement.reading.columns import assign, canonical_columns, legs, required
+    from exoid.measurement.reading.columns import assign_usable, canonical_columns, legs, required
     from exoid.measurement.reading.conventions import conventions_of_machine
     from exoid.measurement.reading.mapping import numbered
     from exoid.measurement.reading.names import kind_of
@@ -137,7 +144,8 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     guesses = {}
     for side in dict.fromkeys((told.leg if told.leg in sides else "", *sides)):
         try:
-            found = assign(table, replace(told, leg=side), where=given.name, joints=joints, partial=True)
+            said = replace(told, leg=side)
+            found, _ = assign_usable(table, said, where=given.name, joints=joints, partial=True)
         except ExoidError:
             continue
         guesses[side] = {n: {"column": shown(one.column), "unit": one.unit} for n, one in found.items()}

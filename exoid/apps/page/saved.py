@@ -55,7 +55,7 @@ def _write(workspace: Workspace, place: SessionFolder) -> None:
             "file": place.copy(one.path, one.name, digest), "name": one.name, "role": one.role,
             "join": [(place.copy(Path(file), f"joined-{Path(file).name}"), lag) for file, lag in one.told.join],
             "columns": one.told.columns, "units": one.told.units, "leg": one.told.leg, "passive": one.told.passive,
-            "only": one.told.only,
+            "only": one.told.only, "rate": one.told.rate,
             "convention": list(filter(None, one.told.convention.split(","))),
             "payloads": [astuple(load) for load in one.told.payloads],
         })  # fmt: skip
@@ -168,6 +168,7 @@ def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
         tuple(entry["passive"]),
         tuple(Payload(*one) for one in entry["payloads"]),
         str(entry.get("only", "")),
+        float(entry.get("rate", 0.0)),
     )  # fmt: skip
     role = VERIFY if entry["role"] == VERIFY else FIT
     return {"path": inside(folder, entry["file"]), "name": str(entry["name"]), "role": role, "told": told}

@@ -143,6 +143,8 @@ def _recordings(workspace: Workspace) -> list[str]:
         out += ["--leg", said.leg] if said.leg else []
     only = next((one.told.only for one in workspace.given if one.told.only), "")
     out += ["--only", only] if only else []
+    rate = next((one.told.rate for one in workspace.given if one.told.rate), 0.0)
+    out += ["--rate", f"{rate:g}"] if rate else []
     for one, name in named:
         told = one.told
         out += ["--convention", f"{name}={told.convention}"] if told.convention else []

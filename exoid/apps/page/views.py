@@ -15,8 +15,10 @@ from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.diagnosis.write_up import best_first
 from exoid.ground.errors import error_json
+from exoid.ground.files import MODEL_FILES
 from exoid.ground.plain import plain_dict
 from exoid.ground.text import printable
+from exoid.measurement.reading.among import left_out_said
 from exoid.measurement.reading.sources import suffixes
 from exoid.optimisation.linear.links import tree_of
 from exoid.symbolic.joints import HERE, Joint, parents
@@ -50,7 +52,8 @@ def state(workspace: Workspace) -> dict[str, Any]:
     out: dict[str, Any] = {
         "version": workspace.version,
         "edits": len(workspace.edits),
-        "files": [_file(one) for one in workspace.given],
+        "files": [_file(one) for one in workspace.given if not (one.is_other and _reading(workspace))],
+        "left_out": left_out_said(workspace.left_out, len(workspace.given) + len(workspace.left_out)),
         "model": workspace.model_name or "standard leg",
         "busy": printable(workspace.busy),
         "problem": None if problem is None else error_json(problem),
@@ -60,6 +63,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "own": list(workspace.own_texts.values()),
         "formats": formats(),
         "suffixes": suffixes(),
+        "model_suffixes": MODEL_FILES,
         "sureness": dict(MEANINGS),
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),
         "ready": session is not None,
@@ -70,6 +74,11 @@ def state(workspace: Workspace) -> dict[str, Any]:
     if session is not None:
         out |= _session(workspace, session)
     return plain_dict(out)
+
+
+def _reading(workspace: Workspace) -> bool:
+    """Files are still to be read, so that nobody knows yet whether a recording is among them."""
+    return not all(one.read for one in workspace.given)
 
 
 def details(workspace: Workspace, name: str) -> dict[str, Any]:

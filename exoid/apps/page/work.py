@@ -89,6 +89,7 @@ def _read(space: Workspace, one: Given) -> None:
             return  # somebody has said meanwhile which column is what: it is read again
         if one in space.given:
             space.given[space.given.index(one)] = found
+            space.leave_others_out()
             space.stale = True
 
 

@@ -90,6 +90,8 @@ class Workspace:
         self._closed = False
         self.keeping = Keeping(self.change, lambda: self._closed, self.touch)
         self.judging = Judging(self.touch)
+        self.left_out: dict[str, str] = {}
+        """Files of folders that are no recordings, {name: kind}."""
         self.answers: list[StatedMapping] = []
         """What was told of columns on this page, the latest first: files to come may be alike."""
 
@@ -144,6 +146,34 @@ class Workspace:
         self.touch(changed=True)
         return one
 
+    def leave_out(self, kind: str, *names: str) -> None:
+        """Note files of a folder that are no recordings."""
+        with self.change:
+            self.left_out |= dict.fromkeys(names, kind)
+        self.touch()
+
+    def hold_out_last(self, ids: Sequence[int]) -> None:
+        """Hold out the last of these files that is open, of three or more."""
+        there = [one.id for one in self.given if one.id in ids]
+        if len(there) > 2:
+            self.use_as(there[-1], VERIFY)
+
+    def leave_others_out(self) -> None:
+        """Leave out what stood in a folder and turned out to be no recording, once all is read and some is left.
+
+        Where the only file held out goes, the last of three or more is held out instead, as when they were dropped.
+        """
+        others = [one for one in self.given if one.is_other]
+        rest = [one for one in self.given if not one.is_other]
+        if not others or not all(one.read for one in self.given) or not any(one.recordings for one in rest):
+            return
+        self.given = rest
+        self.left_out |= {one.name: one.error.kind for one in others if isinstance(one.error, RecordingError)}
+        held = any(one.role == VERIFY for one in others) and not any(one.role == VERIFY for one in rest)
+        if held and len(rest) > 2:
+            rest[-1] = replace(rest[-1], role=VERIFY)
+        self._delete_dropped(others)
+
     def drop_place(self, name: str) -> Path:
         """Return where a dropped file of that name may be written."""
         with self.lock:
@@ -188,7 +218,7 @@ class Workspace:
         from exoid.measurement.reading.read import open_table
 
         old = self.find(id)
-        kept = {name: getattr(old.told, name) for name in ("join", "payloads", "only")}
+        kept = {name: getattr(old.told, name) for name in ("join", "payloads", "only", "rate")}
         said = replace(told, **kept)
         one = files.read_given(replace(old, told=said), self.remembered, self.joints)
         if one.error is not None:
@@ -217,6 +247,7 @@ class Workspace:
         """Close everything: files, model, effects and what was done."""
         with self.change:
             before, self.given = self.given, []
+            self.left_out = {}
             self.own, self.own_texts, self.history = {}, {}, History()
             self._model, self.model_path, self.model_name = None, None, ""
             self._begin_anew()

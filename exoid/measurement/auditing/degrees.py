@@ -43,7 +43,8 @@ def read_degrees(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
     return replace(draft, columns=columns).noted(
         "units",
         "repaired",
-        f"{largest} reaches {reach[largest]:.4g}, in rad impossible for a {draft.joints[angles.index(largest)].name}: "
+        f"{largest} reaches {reach[largest]:.4g}, in rad impossible for the "
+        f"{draft.joints[angles.index(largest)].name}: "
         f"{', '.join(converted)} were read in degrees",
         f"column {largest}",
         value=reach[largest],
@@ -72,7 +73,12 @@ def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str,
 
 
 def _before_a_gear(draft: Draft) -> bool:
-    """Whether the torques say that angles are turns of a motor."""
+    """The torques say that angles are turns of a motor.
+
+    Of one joint alone they say nothing of the kind: on a spring or a damper its inertia fits any ratio.
+    """
+    if len(draft.joints) == 1:
+        return False
     angles, torques = (
         np.column_stack([draft.columns[f"{key}{k + 1}"] for k in range(len(draft.joints))]) for key in ("q", "tau")
     )

@@ -8,10 +8,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from exoid.ground.errors import RecordingError
+from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
@@ -22,6 +23,9 @@ from exoid.measurement.recording import base_columns
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
 from exoid.symbolic.units import QUANTITIES, SI_UNIT
 
+NO_CLOCK = "say how often it was sampled, in Hz: --rate 100 (design: --recorded-rate 100; watch, campaign: a column t)"
+TIMELESS = "give every sample its time, in a column t"
+"""The same where no rate can be said: of a stream, and of what is joined by its clock."""
 LEGS = ("left", "right", "ipsi", "contra")
 OF_JOINTS = ("t", "q", "dq", "ddq", "tau", "f")
 """Quantities of a recording that --units may name."""
@@ -42,6 +46,12 @@ def canonical_columns(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     return (*required(joints), *further, *base_columns(joints), *outside_columns(joints))
 
 
+def spare_columns(joints: Sequence[Joint] = LEG) -> frozenset[str]:
+    """Return the names of the columns without which everything can be answered, so that none of them stops reading."""
+    own = (f"{quantity}{k + 1}" for quantity in ("dq", "ddq") for k in range(len(joints)))
+    return frozenset((*own, *force_columns(joints), CONTACT))
+
+
 @dataclass(frozen=True)
 class Assigned:
     """A canonical column: where it comes from, `factor` to SI, and whether its unit was `told` by
@@ -59,6 +69,26 @@ def assign(
 ) -> dict[str, Assigned]:
     """Return {canonical name: column}; raises RecordingError for a missing, doubtful or doubly used column.
 
+    What is told is as of `assign_usable`.
+    """
+    found, faults = assign_usable(table, told, where=where, joints=joints, partial=partial, no_clock=TIMELESS)
+    for error in faults.values():
+        raise error
+    return found
+
+
+def assign_usable(
+    table: RawTable,
+    told: StatedMapping,
+    *,
+    where: str,
+    joints: Sequence[Joint] = LEG,
+    partial: bool = False,
+    no_clock: str = NO_CLOCK,
+) -> tuple[dict[str, Assigned], dict[str, RecordingError]]:
+    """Return {canonical name: column} of what can be used, and {canonical name: error} of spare columns that cannot;
+    raises RecordingError for any other that is missing, doubtful or used twice.
+
     What is `told` is {canonical: column in the file}, {quantity, canonical name or column: unit} and the leg ("left",
     "right", "ipsi" or "contra") where the file has several; a joint that is told to be passive needs no torque, which
     is zero. With `partial`, columns may be missing: the rest stands in another file.
@@ -67,12 +97,14 @@ def assign(
     _check_keys(mapping, canonical_columns(joints), "--map", where)
     _check_keys(units, (*OF_JOINTS, *canonical_columns(joints), *table.names), "--units", where)
     chosen = mapped(table, mapping, where)
+    if told.rate:
+        chosen["t"] = RawColumn("row", np.arange(table.row.shape[0]) / told.rate, "s")
     offers = _offers(table, chosen, units, joints)
     idle = [f"tau{k}" for k, joint in enumerate(joints, start=1) if joint.name in told.passive]
     wanted = [name for name in required(joints) if name not in idle]
     side = _side(offers, chosen, leg, wanted, where)
     hidden: dict[int, str] = {}
-    forces = {*force_columns(joints), CONTACT}
+    spare = spare_columns(joints)
     for name in canonical_columns(joints):
         if name in chosen:
             continue
@@ -81,19 +113,26 @@ def assign(
             fitting = [offer for offer in fitting if offer[0].side]
         if not fitting:
             continue
-        if name in forces and _differ(fitting):
+        if name in spare and _differ(fitting):
             continue  # several plates: which one the foot stood on is for the user to say, and `repaired` tells
         reading, column = _best(name, fitting, where)
         chosen[name], hidden[id(column)] = column, reading.unit
     for name in idle:
         chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
-        _check_missing(chosen, table, where, joints)
-    return {
-        name: _with_unit(name, chosen[name], units, hidden, where, joints)
-        for name in canonical_columns(joints)
-        if name in chosen
-    }
+        _check_missing(chosen, table, where, joints, no_clock)
+    out: dict[str, Assigned] = {}
+    faults: dict[str, RecordingError] = {}
+    for name in canonical_columns(joints):
+        if name not in chosen:
+            continue
+        try:
+            out[name] = _with_unit(name, chosen[name], units, hidden, where, joints)
+        except RecordingError as error:
+            if name not in spare or name in mapping or name in units:
+                raise
+            faults[name] = error
+    return out, faults
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
@@ -103,6 +142,7 @@ def inferred(table: RawTable) -> tuple[Joint, ...]:
     """
     there = {column.name.strip() for column in table.columns}
     count = next(k for k in range(len(there) + 1) if not {f"q{k + 1}", f"tau{k + 1}"} <= there)
+    count = count or int({"q", "tau"} <= there)
     second = {found.name for column in table.columns if (found := recognise(column.name))} & {"q2", "tau2"}
     if count in (0, 2) or count > MOST or (count == 1 and second) or {"q0", "tau0"} & there:
         return LEG
@@ -128,11 +168,11 @@ def _offers(
 ) -> list[Offer]:
     """Return what each column can be, those that are mapped already apart."""
     taken = {id(column) for column in chosen.values()}
-    aliases, doubtful = _counted_from_one(table.names)
+    aliases, doubtful = _counted_from_one(table.names, len(joints))
     offers: list[Offer] = []
     for column in table.columns:
         name = aliases.get(column.name, column.name)
-        found = None if id(column) in taken or name in doubtful else recognise(name, tuple(joints))
+        found = None if id(column) in taken or name in doubtful else _recognised(name, column.unit, tuple(joints))
         if found and quantity_of(found.name) == "i":  # a current is a torque only for whom the constant was given
             name = found.name.replace("i", "tau")
             given = units.get(name) or units.get("tau") or ""
@@ -143,6 +183,15 @@ def _offers(
         weak = [c for c in table.columns if weak_time(c.name) and id(c) not in taken and _runs_forwards(c)]
         offers += [(ColumnMeaning("t", rank=50), column) for column in weak[:1]]
     return offers
+
+
+def _recognised(name: str, unit: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
+    """Meaning of a column; its unit counts where the name leaves the quantity open: "hip [deg]"."""
+    found = recognise(name, joints)
+    if found or not unit:
+        return found
+    found = recognise(f"{name} {unit}", joints)
+    return found._replace(unit="") if found and found.unit else None
 
 
 def _runs_forwards(column: RawColumn) -> bool:
@@ -239,10 +288,14 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
             raise RecordingError(what, where=where, remedy=f"{hint}known: {', '.join(known)}")
 
 
-def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint]) -> None:
+def _check_missing(
+    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], no_clock: str
+) -> None:
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return
+    nothing = len(missing) >= 2 * len(joints) and not any(quantity_of(name) in ("q", "tau") for name in chosen)
+    error = NoChannelsError if nothing else RecordingError
     seen = ((recognise(column.name, tuple(joints)), column.name) for column in table.columns)
     currents = {found: name for found, name in seen if found and quantity_of(found.name) == "i"}
     torques = [name for name in missing if quantity_of(name) == "tau"]
@@ -264,14 +317,18 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
     what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
+    if missing == ["t"]:
+        what = f"no time column was found (columns found: {listed(table.names)})"
+        raise RecordingError(what, where=where, remedy=f"{no_clock}; or --map t=COLUMN")
     remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
-    raise RecordingError(what, where=where, remedy=remedy)
+    raise error(what, where=where, remedy=remedy)
 
 
-def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
-    """Return {name: the same counted from 1} for joints counted from 0, and the names that count 0, 1, 2, ...
+def _counted_from_one(names: Sequence[str], count: int) -> tuple[dict[str, str], set[str]]:
+    """Return {name: the same counted from 1} for `count` joints counted from 0, and the names that count 0, 1, 2, ...
+    further.
 
-    Of these nobody can say which two are the hip and the knee.
+    Of these nobody can say which are meant.
     """
     out: dict[str, str] = {}
     doubtful: set[str] = set()
@@ -279,10 +336,11 @@ def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
         found = re.fullmatch(r"(.*?)(?<!\d)0(\D*)", name)
         if not found:
             continue
-        first, second = (f"{found[1]}{k}{found[2]}" for k in (1, 2))
-        if first in names and second not in names:
-            out |= {name: first, first: second}
-        elif first in names:
+        counted = [f"{found[1]}{k}{found[2]}" for k in range(count + 1)]
+        there = sum(one in names for one in counted)
+        if there == count and counted[-1] not in names:
+            out |= dict(pairwise(counted))
+        elif counted[1] in names and count > 1:
             doubtful |= {f"{found[1]}{k}{found[2]}" for k in range(100)}
     return out, doubtful
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 from exoid.ground.errors import ExoidError, RecordingError
+from exoid.ground.files import MODEL_FILES
 from exoid.measurement.reading.frames import is_table
 from exoid.measurement.reading.read import read_recording, read_recordings
 from exoid.measurement.recording import Recording
@@ -50,7 +51,7 @@ def recordings_in(given: Given | None, joints: Sequence[Joint] | None = None) ->
 
 def _holds_recordings(given: Any) -> bool:
     if isinstance(given, (str, Path)):
-        return Path(given).suffix.lower() != ".toml"
+        return Path(given).suffix.lower() not in MODEL_FILES
     return _is_one(given) or isinstance(given, (list, tuple))
 
 

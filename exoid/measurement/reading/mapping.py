@@ -40,8 +40,8 @@ class StatedMapping:
     """What the user says of a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid).
 
     And of this one recording, never kept: its `convention` ("a,b"), files to `join` to it with the lag in s of their
-    clocks (None: physics says), its `passive` joints, which have no drive, `payloads`, known masses on it, and which
-    rows `only` are explained ("contact == 0", `exoid.measurement.selection`).
+    clocks (None: physics says), its `passive` joints, which have no drive, `payloads`, known masses on it, which
+    rows `only` are explained ("contact == 0", `exoid.measurement.selection`), its `rate` in Hz where it has no clock.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -52,11 +52,12 @@ class StatedMapping:
     passive: tuple[str, ...] = ()
     payloads: tuple[Payload, ...] = ()
     only: str = ""
+    rate: float = 0.0
 
     @property
     def options(self) -> dict[str, Any]:
         """What `read_recordings` takes of it, as far as it is said."""
-        names = ("columns", "units", "leg", "convention", "join", "passive", "only")
+        names = ("columns", "units", "leg", "convention", "join", "passive", "only", "rate")
         return {name: value for name in names if (value := getattr(self, name))}
 
     def over(self, other: StatedMapping) -> StatedMapping:

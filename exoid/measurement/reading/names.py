@@ -9,6 +9,7 @@ it: a set-point is never taken for a measurement, nor hip adduction for hip flex
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
@@ -19,29 +20,38 @@ from exoid.measurement.reading.units import SLIDING, factor, is_scaled, is_unit
 from exoid.measurement.recording import BASE_COLUMNS, SPACE_BASE_COLUMNS
 from exoid.symbolic.joints import LEG, Joint, is_spatial
 from exoid.symbolic.joints import names as joint_names
+from exoid.symbolic.units import QUANTITIES, plain_unit
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",
           "stamp", "rowtimes", "datetime", "epoch", "timesec", "timesecs", "rostime", "rosbagtimestamp", "timestep",
           "systemtime", "walltime", "date", "datetime", "uptime", "unixtime", "epochtime", "tick", "ticks",
-          "logtime", "publishtime"),
+          "logtime", "publishtime", "times", "temps", "tiempo"),
     "q": ("q", "theta", "angle", "angles", "pos", "position", "positions", "phi", "winkel", "th", "qpos", "ang",
-          "angularposition", "displacement", "flexion", "flex", "flexionextension", "flexext"),
+          "angularposition", "displacement", "flexion", "flex", "flexionextension", "flexext", "istposition",
+          "istwinkel", "lage", "gelenkwinkel", "posicion", "angulo"),
     "dq": ("dq", "qd", "qdot", "qp", "dtheta", "thetadot", "thetad", "theta dot", "omega", "vel", "velocity",
            "velocities", "speed", "w", "angularvelocity", "angularvelocities", "angvel", "anglerate", "dth", "qvel",
-           "angularrate"),
+           "angularrate", "geschwindigkeit", "istgeschwindigkeit", "winkelgeschwindigkeit", "drehzahl", "vitesse",
+           "vitesseangulaire", "velocidad", "velocidadangular"),
     "ddq": ("ddq", "qdd", "qddot", "qpp", "ddtheta", "thetaddot", "thetadd", "acc", "acceleration", "accelerations",
             "angularacceleration", "angacc", "ddth", "qacc"),
     "tau": ("tau", "torque", "torques", "trq", "moment", "moments", "drehmoment", "effort", "efforts", "u", "qfrc",
-            "jointtorque", "generalizedforce", "generalisedforce"),
+            "jointtorque", "generalizedforce", "generalisedforce", "eff", "istmoment", "istdrehmoment", "gelenkmoment",
+            "couple", "par", "momento", "esfuerzo"),
     "f": ("f", "force", "cuffforce", "interactionforce", "fint", "fdis", "fcuff", "kraft"),
-    "i": ("i", "iq", "current", "currents", "strom", "amps", "ampere", "motorcurrent"),
+    "i": ("i", "iq", "current", "currents", "strom", "iststrom", "motorstrom", "amps", "ampere", "motorcurrent",
+          "courant", "corriente"),
 }  # fmt: skip
 WEAK_TIME = ("name", "header", "epoch", "xvalue", "xaxis", "x")
 """Used for the time only where nothing else is and the column runs forwards: what TwinCAT ("Name"), MATLAB tables of a
 gait data set ("Header") and LabVIEW ("X_Value") head theirs with."""
-SYNONYMS: Mapping[str, tuple[str, ...]] = {"hip": ("h", "hüfte", "huefte"), "knee": ("k", "kn", "knie")}
-"""Other words for a joint, by the name of the joint."""
+SYNONYMS: Mapping[str, tuple[str, ...]] = {
+    "hip": ("h", "hufte", "huefte", "hanche", "cadera"),
+    "knee": ("k", "kn", "knie", "genou", "rodilla"),
+    "ankle": ("sprunggelenk", "knochel", "knoechel", "cheville", "tobillo"),
+}
+"""Other words for a joint, by the name of the joint, without accents."""
 SIDES: Mapping[str, tuple[str, ...]] = {
     "left": ("left", "l", "lft", "lt", "links"),
     "right": ("right", "r", "rgt", "rt", "rechts"),
@@ -53,7 +63,9 @@ FILLERS = frozenset(
         "joint", "joints", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder", "data",
         "value", "values", "signal", "output", "link", "leg", "exo", "exoskeleton", "robot", "drive", "axis",
         "actuator", "applied", "filtered", "filt", "estimate", "estimated", "est", "state", "states", "feedback", "fbk",
-        "node", "jnt", "channel", "sagittal", "raw", "pitch",
+        "node", "jnt", "channel", "sagittal", "raw", "pitch", "de", "la", "le", "du", "del", "der", "am", "moteur",
+        "gemessen", "ist", "istwert", "mesure", "mesuree", "reel", "reelle", "medido", "medida", "real", "articulacion",
+        "articulation", "gelenk",
     }
 )  # fmt: skip
 PLANES = frozenset({"s"})
@@ -63,7 +75,7 @@ FOREIGN = frozenset(
         "roll", "yaw", "adduction", "abduction", "rotation", "frontal", "transverse",
         "ref", "reference", "desired", "des", "cmd", "command", "commanded", "setpoint", "target", "error", "err",
         "model", "simulated", "predicted", "feedforward", "goal", "commands", "targets", "references", "setpoints",
-        "goals", "demand", "setpt", "std", "variance",
+        "goals", "demand", "setpt", "std", "variance", "soll", "sollwert", "consigne", "consigna", "cible", "objetivo",
     }
 )  # fmt: skip
 """Anywhere in a name, also in its group, these say that it is no measurement, or not in the plane of the leg."""
@@ -100,6 +112,7 @@ OWN = ("q", "dq", "ddq", "tau", "f")
 """Quantities that every joint has a column of."""
 _QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items() for word in words}
 _SIDE = {word: side for side, words in SIDES.items() for word in words}
+SIDE_WORDS = frozenset(_SIDE)
 
 
 class ColumnMeaning(NamedTuple):
@@ -134,6 +147,8 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
         return ColumnMeaning(f"{quantity}{joint_names(joints).index(own) + 1}", rank=-1)
     for sign, word in GREEK.items():
         name = name.replace(sign, word)
+    if not name.isascii():
+        name = "".join(c for c in unicodedata.normalize("NFD", name) if not unicodedata.combining(c))
     if base := _of_base(name, SPACE_BASE_WORDS if is_spatial(joints) else BASE_WORDS):
         return base
     name = name.removeprefix("Model Root/")  # dSPACE names the block diagram so; "model" elsewhere is no measurement
@@ -212,7 +227,25 @@ def _text(text: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
         found = _whole(parts[:-used], joints) if len(parts) > used and not tail.isdigit() else None
         if found and tail.lower() not in _SIDE and _is_unit_of(kind_of(found.name, joints), tail):
             return found._replace(unit=tail)
-    return _whole(parts, joints)
+    return _whole(parts, joints) or _by_unit(parts, joints)
+
+
+def _by_unit(parts: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning | None:
+    """Meaning of a joint and a unit where no quantity is named: "hip_deg", "knee_Nm"."""
+    for used in (2, 1):
+        tail = "/".join(parts[-used:])
+        found = _sorted_out(parts[:-used], joints) if len(parts) > used else None
+        if found is None or found.quantity or found.rest or len(found.joints) != 1 or len(found.sides) > 1:
+            continue
+        number = min(found.joints)
+        meant = [key for key in ("q", "dq", "ddq", "tau") if _is_unit_alone(kind_of(f"{key}{number}", joints), tail)]
+        if len(meant) == 1 and (len(tail) > 1 or not tail.isalpha()):
+            return ColumnMeaning(f"{meant[0]}{number}", tail, found.rank + 1, "".join(found.sides))
+    return None
+
+
+def _is_unit_alone(quantity: str, tail: str) -> bool:
+    return plain_unit(tail) in QUANTITIES[quantity]
 
 
 def _unit_last(parts: list[str]) -> list[str]:

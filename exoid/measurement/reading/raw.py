@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.errors import RecordingError
+from exoid.ground.errors import NoNumbersError
 from exoid.measurement.finding import Finding
+from exoid.measurement.reading.names import FILLERS, FOREIGN, SIDE_WORDS, words_in
 from exoid.measurement.reading.stamps import seconds, since_first
+from exoid.measurement.reading.units import is_unit
 from exoid.symbolic.motion import Float
 
 
@@ -138,7 +140,7 @@ def table_from_arrays(
     flat = {name: np.squeeze(np.asarray(array)) for name, array in arrays.items()}
     lengths = [max(a.shape) for a in flat.values() if 1 <= a.ndim <= 2 and a.size]
     if not lengths or max(lengths) < 2:
-        raise RecordingError(
+        raise NoNumbersError(
             "no column of numbers was found in the file",
             where=where,
             remedy="store t, q1, q2, tau1, tau2 as arrays of equal length "
@@ -165,7 +167,15 @@ def split_unit(name: str) -> tuple[str, str]:
     found = UNIT_IN_NAME.match(name)
     if INDEX.fullmatch(name):  # position[0] of an array is no unit
         return re.sub(r"[\[\]()]", "", name), ""
-    return (found["name"].strip(), found["unit"].strip()) if found and found["name"].strip() else (name, "")
+    if not found or not found["name"].strip() or not _may_be_unit(found["unit"]):
+        return name, ""
+    return found["name"].strip(), found["unit"].strip()
+
+
+def _may_be_unit(text: str) -> bool:
+    """Bracketed text may be a unit, also one that nobody knows; a side, and words as "(filtered)", are none."""
+    words = words_in(text)
+    return is_unit(text.strip()) or not words or not words <= {*FILLERS, *SIDE_WORDS, *FOREIGN}
 
 
 def named_column(name: str, cells: Any, unit: str) -> RawColumn:

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypedDict, Unpack
 
-from exoid.ground.errors import RecordingError, refused
+from exoid.ground.errors import RecordingError, StandingError, refused
 from exoid.ground.files import sha256
 from exoid.ground.inputs import open_input
 from exoid.ground.progress import Progress
@@ -22,7 +22,8 @@ from exoid.measurement.auditing.audit import audit
 from exoid.measurement.auditing.degrees import read_degrees
 from exoid.measurement.auditing.unusable import mask_unusable, without_rounding
 from exoid.measurement.finding import Finding
-from exoid.measurement.reading.columns import assign, inferred, legs
+from exoid.measurement.reading.among import read_among
+from exoid.measurement.reading.columns import assign_usable, inferred, legs
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.reading.frames import is_table, table_from
 from exoid.measurement.reading.join import joined_pieces
@@ -31,7 +32,7 @@ from exoid.measurement.reading.made_times import join_split
 from exoid.measurement.reading.mapping import FILE, StatedMapping, remembered
 from exoid.measurement.reading.raw import RawTable
 from exoid.measurement.reading.repair import as_recording, on_one_clock
-from exoid.measurement.reading.sources import digest, expand, find_formats, folder_of, opened
+from exoid.measurement.reading.sources import digest, find_formats, folder_of, opened
 from exoid.measurement.recording import Recording, Source
 from exoid.measurement.selection import selected
 from exoid.symbolic.joints import LEG, Joint
@@ -41,6 +42,8 @@ Machine = tuple[Joint, ...] | None
 LARGE, PIECES, SMALL = 400_000_000, 16, 1_000_000
 """Bytes of text that are still read as a whole; into how many pieces so many are cut where they are not; and the least
 that is worth a look."""
+LEAST_RATE, MOST_RATE = 0.1, 1e6
+"""Hz that may be said of a recording."""
 LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
@@ -52,6 +55,7 @@ class HowRead(TypedDict, total=False):
     join: str | Path | Sequence[Joined]
     only: str
     passive: str | Sequence[str]
+    rate: float
 
 
 def read_recording(
@@ -76,7 +80,8 @@ def read_recording(
     `exoid.measurement.reading.join`. `only` ("contact == 0") says of which rows the torques are explained; unless it is
     given, those of stance are left out where a column says when the foot is on the ground and none what the ground does
     (`exoid.measurement.selection`). `passive` are joints that had no drive: their torque is zero and needs no
-    column. `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the
+    column. `rate` in Hz says how often a recording without a clock was sampled, evenly.
+    `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the
     machine (`model.joints`); None means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises
     RecordingError for anything that cannot be used, with the place and the remedy.
     """
@@ -104,10 +109,11 @@ def read_recordings(
     """Return the recordings in `sources`: one or several files, folders, patterns ("runs/*.csv"), ZIP archives, and
     tables in memory.
 
-    `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
-    read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
-    (`exoid.measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`,
-    whose `leg`, `convention`, `join`, `only` and `passive` it takes too.
+    What stands in a folder, a pattern or an archive beside recordings is left out, and the first recording's findings
+    say how much of what. `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more
+    than `most_bytes` is read piece by piece, in bounded memory, and becomes several recordings, stretches spread over
+    it (`exoid.measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`,
+    whose `leg`, `convention`, `join`, `only`, `passive` and `rate` it takes too.
     """
     told = how_read(columns, units, **more)
     single = isinstance(sources, (str, Path)) or is_table(sources) or not isinstance(sources, Iterable)
@@ -118,15 +124,14 @@ def read_recordings(
         raise RecordingError(f"a {type(wrong).__name__} is not read as a recording", remedy=remedy)
     tables = sum(map(is_table, parts))
     if not tables:
-        return tuple(one for path in expand(parts) for one in read_as_told(path, told, joints, progress, most_bytes))
+        return read_among(parts, lambda path: read_as_told(path, told, joints, progress, most_bytes))
     machine = None if joints is None else tuple(joints)
     found: list[Recording] = []
     for place, part in enumerate(parts, start=1):
         if is_table(part):
             found += _of_every_leg(part, told, machine, f"table {place}" if tables > 1 else "")
         else:
-            files = expand(part)
-            found += (one for path in files for one in read_as_told(path, told, joints, progress, most_bytes))
+            found += read_among([part], lambda path: read_as_told(path, told, joints, progress, most_bytes))
     return tuple(found)
 
 
@@ -138,6 +143,7 @@ def how_read(
     join: str | Path | Sequence[Joined] = (),
     only: str = "",
     passive: str | Sequence[str] = (),
+    rate: float = 0.0,
 ) -> StatedMapping:
     """Return what was said of how to read; CallError for what cannot be said."""
     called = convention if isinstance(convention, str) else ",".join(convention)
@@ -145,7 +151,10 @@ def how_read(
     pairs = (other if isinstance(other, tuple) else (other, None) for other in files)
     others = tuple((str(file), lag) for file, lag in pairs)
     idle = (passive,) if isinstance(passive, str) else tuple(passive)
-    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others, idle, only=only)
+    if not (rate == 0.0 or LEAST_RATE <= rate <= MOST_RATE):
+        what = f"a rate of {rate:g} Hz is that of no recording"
+        raise RecordingError(what, where="rate", remedy=f"give it in Hz, from {LEAST_RATE:g} to {MOST_RATE:g}")
+    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others, idle, only=only, rate=rate)
 
 
 def read_as_told(
@@ -235,7 +244,7 @@ def _whole(
         sums.append(place.sha256)
     one = joined_pieces(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
-    return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="")
+    return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="", rate=0.0)
 
 
 def _loaded(
@@ -260,8 +269,8 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     """Return the audited recording in `table`; RecordingError for what refuses it."""
     joints = machine or (LEG if told.columns else inferred(table))
     where = origin.path or name
-    assigned = assign(table, told, where=where, joints=joints)
-    draft = read_degrees(on_one_clock(table, assigned, origin, name, joints), assigned)
+    assigned, faults = assign_usable(table, told, where=where, joints=joints)
+    draft = read_degrees(on_one_clock(table, assigned, origin, name, joints, faults), assigned)
     recording = as_recording(draft, origin, name).with_passive(*told.passive)
     recording = read_as(mask_unusable(without_rounding(recording)), told.convention)
     recording = selected(recording, table, told.only)
@@ -285,7 +294,9 @@ def refuse(findings: tuple[Finding, ...]) -> None:
             if refused[1:]
             else ""
         )
-        raise RecordingError(refused[0].what + more, where=refused[0].where, remedy=refused[0].remedy)
+        still = refused[0].check == "motion" and (refused[0].limit or 0.0) > 0.0  # the angles stand, not only torques
+        error = StandingError if still else RecordingError
+        raise error(refused[0].what + more, where=refused[0].where, remedy=refused[0].remedy)
 
 
 def read_table(path: Path, where: str = "") -> RawTable:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from exoid.ground.errors import RecordingError
 from exoid.measurement.finding import row_ranges
 from exoid.measurement.reading import angles, clock
-from exoid.measurement.reading.columns import Assigned
+from exoid.measurement.reading.columns import Assigned, spare_columns
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.limits import credible
 from exoid.measurement.reading.names import kind_of, recognise
@@ -35,13 +36,21 @@ UNUSED = "none: the rows do not enter the fit"
 ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
 
 
+NO_FAULTS: Mapping[str, RecordingError] = MappingProxyType({})
+
+
 def on_one_clock(
-    table: RawTable, assigned: Mapping[str, Assigned], source: Source, name: str, joints: tuple[Joint, ...] = LEG
+    table: RawTable,
+    assigned: Mapping[str, Assigned],
+    source: Source,
+    name: str,
+    joints: tuple[Joint, ...] = LEG,
+    faults: Mapping[str, RecordingError] = NO_FAULTS,
 ) -> Draft:
     """Return the columns of `joints` in SI units over a time that runs forwards; RecordingError when too little can be
-    used.
+    used. `faults` are {canonical name: error} of spare columns that are left out, which is noted.
     """
-    draft = _mask_cells(_start(table, assigned, source, name, joints), assigned)
+    draft = _mask_cells(_start(table, assigned, source, name, joints, faults), assigned)
     return _clock_unit(_order_time(draft))
 
 
@@ -78,13 +87,20 @@ def _base(columns: Mapping[str, Float], joints: tuple[Joint, ...]) -> Float | No
 
 
 def _start(
-    table: RawTable, assigned: Mapping[str, Assigned], source: Source, name: str, joints: tuple[Joint, ...]
+    table: RawTable,
+    assigned: Mapping[str, Assigned],
+    source: Source,
+    name: str,
+    joints: tuple[Joint, ...],
+    faults: Mapping[str, RecordingError],
 ) -> Draft:
     """Convert units, leave out what not every joint has, say what was taken for what."""
     columns = {name: item.column.values * item.factor for name, item in assigned.items()}
     told = frozenset(name for name, item in assigned.items() if item.told)
     valid, file = np.ones(table.row.shape[0], dtype=bool), source.path or name
     draft = Draft(columns, valid, table.row, told, file, table.notes, joints)
+    for error in faults.values():
+        draft = draft.noted("columns", "warning", f"left out, and not needed: {error.what} ({error.remedy})")
     epoch = None if "t" in told or "t" not in columns else clock.epoch_unit(columns["t"])
     if epoch:
         first = columns["t"][np.flatnonzero(np.isfinite(columns["t"]))[0]]
@@ -97,7 +113,7 @@ def _start(
     converted = [_conversion(n, item, joints) for n, item in assigned.items() if item.factor != 1.0]
     if converted:
         draft = draft.noted("units", "info", f"converted to SI: {', '.join(converted)}")
-    draft, columns = _outside(draft, columns, table, assigned)
+    draft, columns = _outside(draft, columns, table, {*assigned, *faults}, assigned)
     for key in ("dq", "ddq"):
         pair = [n for k in range(len(joints)) if (n := f"{key}{k + 1}") in columns]
         empty = [n for n in pair if np.isfinite(columns[n]).mean() < 0.5]
@@ -116,10 +132,12 @@ def _start(
 
 
 def _outside(
-    draft: Draft, columns: Mapping[str, Float], table: RawTable, assigned: Mapping[str, Assigned]
+    draft: Draft, columns: Mapping[str, Float], table: RawTable, decided: set[str], assigned: Mapping[str, Assigned]
 ) -> tuple[Draft, dict[str, Float]]:
-    """Leave out forces that are mostly not numbers, and say of which columns nobody knows what they are."""
-    known = (*force_columns(draft.joints), CONTACT)
+    """Leave out forces that are mostly not numbers, and say of which columns nobody knows what they are; `decided` are
+    the canonical names that have their column, or a fault of it.
+    """
+    known = sorted(spare_columns(draft.joints))
     empty = [name for name in known if name in columns and np.isfinite(columns[name]).mean() < 0.5]
     if empty:
         draft = draft.noted("columns", "info", f"{' and '.join(empty)} left out: mostly not numbers")
@@ -127,7 +145,7 @@ def _outside(
     meant = [(column.name, recognise(column.name, draft.joints)) for column in table.columns if id(column) not in taken]
     for name in known:
         rivals = [column for column, found in meant if found and found.name == name]
-        if rivals and name not in assigned:
+        if rivals and name not in decided:
             what = f"{' and '.join(rivals)} can each be {name}: none of them is used"
             draft = draft.noted("columns", "warning", what, remedy=f"say which: --map {name}={rivals[0]}")
     return draft, {name: values for name, values in columns.items() if name not in empty}
@@ -325,7 +343,7 @@ def _clock_unit(draft: Draft) -> Draft:
     step = float(np.median(np.diff(t)))
     if unit == "index":
         what = "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?"
-        remedy = "say what one count is: --units t=ms, or --units 't=10 ms' for a row every 10 ms"
+        remedy = "say what one count is: --units t=ms, or --rate 100 for a row every 10 ms"
         return draft.noted("time", "refused", what, "column t", value=step, limit=0.5, remedy=remedy)
     if unit == "s":
         return draft

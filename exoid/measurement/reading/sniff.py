@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from exoid.ground.errors import RecordingError
+from exoid.ground.errors import NoNumbersError, RecordingError
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.raw import split_unit, ungrouped
@@ -52,7 +52,7 @@ def decode(data: bytes, *, where: str) -> tuple[str, tuple[Finding, ...]]:
     """Return the text of `data` with LF line ends, and what had to be decided about its encoding."""
     if not data.strip(b"\x00 \t\r\n"):
         what = "the file is empty" if not data else "the file holds nothing but blanks"
-        raise RecordingError(what, where=where, remedy="record again, or check that the copy was complete")
+        raise NoNumbersError(what, where=where, remedy="record again, or check that the copy was complete")
     encoding = next((name for bom, name in BOMS if data.startswith(bom)), "")
     notes: list[Finding] = []
     if not encoding:
@@ -147,7 +147,7 @@ def sniff(text: str, *, where: str) -> Layout:
     count, width, delimiter, decimal = best
     if not count:
         remedy = "the file needs one header line (t, q1, q2, tau1, tau2) and one row of numbers per sample"
-        raise RecordingError("no rows of numbers were found", where=where, remedy=remedy)
+        raise NoNumbersError("no rows of numbers were found", where=where, remedy=remedy)
     return _header(lines, table, cut[delimiter], width, delimiter, decimal, where)
 
 

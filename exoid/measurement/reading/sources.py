@@ -21,7 +21,8 @@ from pathlib import Path, PurePosixPath
 from types import ModuleType
 from typing import IO
 
-from exoid.ground.errors import RecordingError, refused
+from exoid.ground.errors import NO_NUMBERS, RecordingError, refused
+from exoid.ground.files import MODEL_FILES
 from exoid.ground.folder import modules_in
 from exoid.ground.inputs import open_input
 from exoid.ground.suggest import nearest
@@ -39,6 +40,8 @@ NO_PATH = (OSError, ValueError, RuntimeError)
 """What looking at a path raises; before Python 3.13 a loop of links is a RuntimeError."""
 OTHERS = frozenset({"readme.txt", "license.txt", "requirements.txt", "notes.txt", "log.txt"})
 """Files of a folder that are texts about the recordings; one that is named is read all the same."""
+NO_MEMBERS = "the archive holds no recordings"
+OTHER_TYPES = "of other types"
 
 
 @cache
@@ -54,22 +57,30 @@ def suffixes() -> tuple[str, ...]:
 
 def expand(paths: str | Path | Sequence[str | Path]) -> list[str]:
     """Return the path of every single recording that `paths` (files, folders, patterns, archives; one or several) mean,
-    in order.
+    in order, as `find_files` finds them.
+    """
+    return find_files(paths)[0]
+
+
+def find_files(paths: str | Path | Sequence[str | Path]) -> tuple[list[str], dict[str, str]]:
+    """Return the path of every single recording that `paths` mean, and {path: kind} of what lies beside them.
 
     What is a file is returned as it is, whether it can be read or not. RecordingError for a folder, a pattern or an
     archive without recordings, and, naming all of them, for files that are not there.
     """
     found: list[str] = []
+    others: dict[str, str] = {}
     missing: list[str] = []
     for given in map(str, [paths] if isinstance(paths, (str, Path)) else paths):
         try:
             path = Path(given)
             if path.is_dir() and not is_bag(path):
-                found += _of_folder(path)
+                found += _chosen(_in_folder(path), given, "the folder holds no recordings", others)
             elif path.suffix.lower() == ".zip" and path.is_file():
-                found += [f"{given}/{member}" for member in members(path)]
+                inside = {f"{given}/{member}": kind for member, kind in _all_members(path).items()}
+                found += _chosen(inside, given, NO_MEMBERS, others)
             elif not path.exists() and glob.has_magic(given):
-                found += _matching(given)
+                found += _chosen(_matching(given), given, "no file matches this pattern", others)
             else:
                 found.append(given)
                 if not path.exists() and _in_archive(path) is None:
@@ -82,29 +93,30 @@ def expand(paths: str | Path | Sequence[str | Path]) -> list[str]:
             where=missing[0],
             remedy="check the paths",
         )
-    return found
+    return found, others
 
 
-def _of_folder(folder: Path) -> list[str]:
-    known = suffixes()
-    inside = sorted(
-        entry
-        for entry in folder.iterdir()
-        if not entry.name.startswith(".")
-        and ((entry.is_file() and entry.suffix.lower() in known and is_recording(entry)) or is_bag(entry))
-    )
-    return _counted([str(entry) for entry in inside], str(folder), "the folder holds no recordings")
+def _in_folder(folder: Path) -> dict[str, str]:
+    """Return {path: kind of other file, "" for a recording} of what lies in a folder, models and mappings apart."""
+    inside = sorted(one for one in folder.iterdir() if not one.name.startswith("."))
+    return {
+        str(one): "" if is_bag(one) else kind_of_file(one)
+        for one in inside
+        if is_bag(one) or (one.is_file() and one.suffix.lower() not in MODEL_FILES)
+    }
 
 
-def is_recording(file: Path) -> bool:
-    """Whether a file of a folder, of a suffix that recordings have, is one: not notes or settings beside them."""
+def kind_of_file(file: Path) -> str:
+    """Return what a file of a folder is that is no recording, "" for one: not notes or settings beside them."""
+    if file.suffix.lower() not in suffixes():
+        return OTHER_TYPES
     if file.name.lower() in OTHERS:
-        return False
+        return NO_NUMBERS
     try:
         with open_input(file, remember=False) as stream:
-            return _holds_recording(file.suffix, file.stat().st_size, stream)
+            return "" if _holds_recording(file.suffix, file.stat().st_size, stream) else NO_NUMBERS
     except OSError:
-        return True  # refused with its reason when it is read
+        return ""  # refused with its reason when it is read
 
 
 def _holds_recording(suffix: str, size: int, stream: IO[bytes]) -> bool:
@@ -115,17 +127,24 @@ def _holds_recording(suffix: str, size: int, stream: IO[bytes]) -> bool:
     return bool(chosen.holds_recording(stream.read(LOOKED_AT)))
 
 
-def _matching(pattern: str) -> list[str]:
+def _matching(pattern: str) -> dict[str, str]:
     inside = sorted(path for path in glob.iglob(pattern, recursive=True) if Path(path).is_file() or is_bag(Path(path)))
-    return _counted(inside, pattern, "no file matches this pattern")
+    return {
+        path: "" if is_bag(Path(path)) or Path(path).suffix.lower() in suffixes() else OTHER_TYPES
+        for path in inside
+        if Path(path).suffix.lower() not in MODEL_FILES
+    }
 
 
-def _counted(found: list[str], where: str, none: str) -> list[str]:
+def _chosen(inside: dict[str, str], where: str, none: str, others: dict[str, str]) -> list[str]:
+    """Return the recordings among {path: kind}, and put what else is there into `others`."""
+    found = [path for path, kind in inside.items() if not kind]
     if not found:
         raise RecordingError(none, where=where, remedy=f"recordings end in {', '.join(suffixes())}")
     if len(found) > MOST_FILES:
         what = f"{len(found)} recordings at a time"
         raise RecordingError(what, where=where, remedy=f"name {MOST_FILES} of them or fewer")
+    others |= {path: kind for path, kind in inside.items() if kind}
     return found
 
 
@@ -136,19 +155,29 @@ def is_bag(path: Path) -> bool:
 
 def members(archive: Path) -> list[str]:
     """Return the names of the recordings in a ZIP archive, sorted."""
-    known = suffixes()
+    return _chosen(_all_members(archive), str(archive), NO_MEMBERS, {})
+
+
+def _all_members(archive: Path) -> dict[str, str]:
+    """Return {name: kind of other file, "" for a recording} of what lies in a ZIP archive, sorted."""
     with _archive(archive, archive) as content:
-        names = sorted(
-            entry.filename
-            for entry in content.infolist()
-            if not entry.is_dir()
-            and PurePosixPath(entry.filename).suffix.lower() in known
-            and not PurePosixPath(entry.filename).name.startswith((".", "__MACOSX"))
-            and not entry.filename.startswith("__MACOSX")
-            and PurePosixPath(entry.filename).name.lower() not in OTHERS
-            and (entry.flag_bits & 1 or _member_is_meant(content, entry))
-        )
-    return _counted(names, str(archive), "the archive holds no recordings")
+        inside = {entry.filename: entry for entry in content.infolist() if not entry.is_dir()}
+        return {
+            name: _kind_of_member(content, inside[name])
+            for name in sorted(inside)
+            if not PurePosixPath(name).name.startswith((".", "__MACOSX"))
+            and not name.startswith("__MACOSX")
+            and PurePosixPath(name).suffix.lower() not in MODEL_FILES
+        }
+
+
+def _kind_of_member(content: zipfile.ZipFile, entry: zipfile.ZipInfo) -> str:
+    name = PurePosixPath(entry.filename)
+    if name.suffix.lower() not in suffixes():
+        return OTHER_TYPES
+    if name.name.lower() in OTHERS:
+        return NO_NUMBERS
+    return "" if entry.flag_bits & 1 or _member_is_meant(content, entry) else NO_NUMBERS
 
 
 def _member_is_meant(content: zipfile.ZipFile, entry: zipfile.ZipInfo) -> bool:

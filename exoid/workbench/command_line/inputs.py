@@ -20,6 +20,7 @@ from exoid.workbench.terminal.progress import progress
 from exoid.workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
+    from exoid.measurement.reading.among import FoundFiles
     from exoid.measurement.reading.mapping import StatedMapping
     from exoid.measurement.recording import Recording
     from exoid.symbolic.joints import Joint
@@ -60,6 +61,7 @@ def load_model(path: str | None) -> Model:
 def load(args: argparse.Namespace) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload, --wearer."""
     from exoid.measurement.forces import pushed_model
+    from exoid.measurement.reading.among import LEFT_OUT, read_among
 
     model = load_model(getattr(args, "model", None))
     model = worn(model, getattr(args, "wearer", None))
@@ -70,9 +72,12 @@ def load(args: argparse.Namespace) -> Inputs:
     *groups, told = told_recordings(args, model.joint_names)
     joints = model.joints if getattr(args, "model", None) else None
     recordings, verify = (
-        tuple(one for path in paths for one in read(path, told[path], joints=joints, quiet=args.quiet))
-        for paths in groups
+        read_among(files, lambda path: read(path, told[path], joints=joints, quiet=args.quiet)) if files.paths else ()
+        for files in groups
     )
+    for group in (recordings, verify):
+        for line in (finding.what for one in group[:1] for finding in one.findings if finding.check == LEFT_OUT):
+            warn(line)
     model = pushed_model(model, (*recordings, *verify))
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
 
@@ -89,17 +94,17 @@ def worn(model: Model, wearer: str | None) -> Model:
 
 def told_recordings(
     args: argparse.Namespace, joints: Sequence[str]
-) -> tuple[list[str], list[str], dict[str, StatedMapping]]:
+) -> tuple[FoundFiles, FoundFiles, dict[str, StatedMapping]]:
     """Return the files that `args` mean to be fitted and to be held out, and what they tell of each."""
+    from exoid.measurement.reading.among import files_among
     from exoid.measurement.reading.mapping import StatedMapping
-    from exoid.measurement.reading.sources import expand
 
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
-    expand([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
-    given, unseen = expand(args.recordings), expand(held_out)
-    refuse_repeats(given, unseen)
-    every = [*given, *unseen]
+    files_among([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
+    given, unseen = files_among(args.recordings), files_among(held_out)
+    refuse_repeats(given.paths, unseen.paths)
+    every = [*given.paths, *unseen.paths]
     loads = payloads(getattr(args, "payload", []), every)
     of_all = merged(args.map, "--map"), merged(args.units, "--units"), args.leg or ""
     kept, others = conventions_of(args.convention, every), joins_of(args.join, every)
@@ -107,7 +112,7 @@ def told_recordings(
     told = {
         path: StatedMapping(
             *of_all, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ())),
-            args.condition,
+            args.condition, args.clock_rate,
         )
         for path in every
     }

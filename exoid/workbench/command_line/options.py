@@ -66,7 +66,7 @@ def _reads(name: str, about: Setting, number: Callable[[str], float]) -> Callabl
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """Add --model."""
-    parser.add_argument("--model", metavar="FILE", help="model file (TOML); without it, the standard leg")
+    parser.add_argument("--model", metavar="FILE", help="model (TOML, URDF); without it, the standard leg")
 
 
 def add_question(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
@@ -107,9 +107,11 @@ def add_columns(group: argparse._ArgumentGroup | Seldom) -> None:
     )  # fmt: skip
 
 
-def add_reading(parser: argparse.ArgumentParser, rows: bool = True, *, everyday: bool = True) -> None:
+def add_reading(
+    parser: argparse.ArgumentParser, rows: bool = True, *, everyday: bool = True, clock: str = "--rate"
+) -> None:
     """Add what is needed to read recordings: --map, --units, --leg, --convention, --cutoff; --only where `rows` may be
-    chosen. `everyday` where recordings are what the command is about.
+    chosen. `everyday` where recordings are what the command is about; `clock` is what their rate is called.
     """
     group = parser.add_argument_group("reading the recordings")
     seldom = Seldom(group)
@@ -119,6 +121,10 @@ def add_reading(parser: argparse.ArgumentParser, rows: bool = True, *, everyday:
         "--join", metavar="FILE[@LAG]", nargs="+", action="extend", default=[],
         help="further files of the same trial with clocks of their own, for example torques beside motion capture; of "
         "several recordings, REC=FILE says to which. They meet at the lag that physics says, or at LAG s",
+    )  # fmt: skip
+    seldom.add_argument(
+        clock, dest="clock_rate", metavar="HZ", type=between(0.1, 1e6, "Hz"), default=0.0,
+        help="how often recordings without a clock were sampled",
     )  # fmt: skip
     usual.add_argument(
         "--leg", choices=("left", "right", "both", "ipsi", "contra"),

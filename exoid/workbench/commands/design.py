@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from exoid.ground.files import MODEL_FILES
 from exoid.workbench.command_line.deliver import deliver_results
 from exoid.workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from exoid.workbench.command_line.options import (
@@ -68,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="standard deviation of a torque sample in N·m (N where a joint slides), one or hip,knee (0.5: the bench)",
     )  # fmt: skip
     add_settings(noise, DesignSettings, "duration")
-    add_reading(parser, everyday=False)
+    add_reading(parser, everyday=False, clock="--recorded-rate")
     add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and the report into DIR")
 
 
@@ -225,7 +226,7 @@ def _separate(args: argparse.Namespace) -> int:
 
     joints = load_model(args.model).joints
     white = Noise.white(args.noise, args.rate, joints) if args.noise else None
-    toml = [name for name in args.inputs if name.lower().endswith(".toml")]
+    toml = [name for name in args.inputs if name.lower().endswith(MODEL_FILES)]
     if toml:
         raise UsageError("this is a model, not a recording", where=toml[0], remedy=f"--model {toml[0]}")
     args.recordings = args.inputs

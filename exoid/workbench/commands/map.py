@@ -44,7 +44,8 @@ def run(args: argparse.Namespace) -> int:
 
     screen = Screen.of(args)
     joints = load_model(args.model).joints
-    told = StatedMapping(merged(args.map, "--map"), merged(args.units, "--units"), args.leg or "")
+    of_all = merged(args.map, "--map"), merged(args.units, "--units"), args.leg or ""
+    told = StatedMapping(*of_all, rate=args.clock_rate)
     table = open_table(args.file)
     folder = Path(args.out) if args.out else folder_of(Path(args.file))
     kept = [mapping for header, mapping in entries(folder / FILE) if header == table.names]
@@ -77,10 +78,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _checked(table: Any, told: Any, where: str, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return {canonical name: column} as `told`; RecordingError, which names the option, where something is open."""
-    from exoid.measurement.reading.columns import assign, legs
+    from exoid.measurement.reading.columns import assign_usable, legs
 
     one = replace(told, leg=next(iter(legs(table, joints)), "")) if told.leg == "both" else told
-    return assign(table, one, where=where, joints=joints)
+    return assign_usable(table, one, where=where, joints=joints)[0]
 
 
 def _show(screen: Screen, table: Any) -> None:
@@ -90,9 +91,16 @@ def _show(screen: Screen, table: Any) -> None:
     rows = []
     for number, column in enumerate(table.columns[:200], start=1):
         values = column.values[np.isfinite(column.values)]
-        reach = f"{values.min():.4g} to {values.max():.4g}" if values.size else "no numbers"
+        reach = _reach(values) if values.size else "no numbers"
         rows.append((number, column.name[:40], column.unit, reach))
     screen.table("columns", ("", "name", "unit", "range"), rows)
+
+
+def _reach(values: Any) -> str:
+    """Return "0 to 20" of numbers, with as many digits as it takes to distinguish the two: a clock in ms since 1970."""
+    low, high = float(values.min()), float(values.max())
+    digits = next((count for count in range(4, 17) if f"{low:.{count}g}" != f"{high:.{count}g}"), 4)
+    return " to ".join(f"{one:.{digits}g}" if digits == 4 else f"{one:.15g}" for one in (low, high))
 
 
 def _asked(table: Any, told: Any, where: str, screen: Screen, joints: Sequence[Joint]) -> Any:

@@ -23,6 +23,7 @@ def runs():
     return made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", PEOPLE)
 def test_recordings_of_a_kind_have_what_it_measures_and_all_of_it_acts(runs, kind):
     hidden, made = runs[kind]

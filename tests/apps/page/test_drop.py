@@ -27,7 +27,7 @@ def both_legs(source, target, more):
 
 
 def test_files_of_two_legs_are_answered_after_one_click(serve, visit, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))  # what other runs were told is not known
+    monkeypatch.setenv("EXOID_CACHE", str(tmp_path / "cache"))  # what other runs were told is not known
     sources = [*sorted(DATA.glob("train*.csv")), DATA / "verify.csv"]
     files = [both_legs(one, tmp_path / f"trial_{k}.csv", " raw" * (k == 2)) for k, one in enumerate(sources)]
     page = visit(serve().url)
@@ -68,7 +68,7 @@ def test_files_of_two_legs_are_answered_after_one_click(serve, visit, tmp_path, 
 
 
 def test_a_joint_without_a_drive_is_said_in_the_dialog(serve, visit, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("EXOID_CACHE", str(tmp_path / "cache"))
     for source in sorted(DATA.glob("*.csv")):
         rows = np.genfromtxt(source, delimiter=",", names=True)
         table = np.column_stack([rows["t"], rows["q1"], rows["q2"], rows["tau1"]])

@@ -23,7 +23,7 @@ def drop(page, folder):
 
 @pytest.mark.parametrize("fill", messy.FOLDERS, ids=lambda fill: fill.__name__)
 def test_a_messy_folder_is_answered(fill, serve, visit, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))  # what other folders were told is not known
+    monkeypatch.setenv("EXOID_CACHE", str(tmp_path / "cache"))  # what other folders were told is not known
     folder = tmp_path / fill.__name__
     folder.mkdir()
     missing, asked = fill(folder)

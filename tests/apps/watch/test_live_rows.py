@@ -190,3 +190,15 @@ def test_a_product_is_a_channel_of_samples_that_come_one_by_one(lines):
     told = StatedMapping({"q1": "A", "q2": "B", "tau1": "duty*volts", "tau2": "M"}, {"tau1": "Nm*2"})
     rows = Lines(told=told).feed(lines, last=True)
     assert rows[:, 3].tolist() == [24.0, 12.0]
+
+
+def test_a_force_in_a_unit_that_is_none_of_it_is_refused() -> None:
+    lines = Lines()
+    with pytest.raises(RecordingError, match="is in kg"):
+        lines.feed("t,q1,q2,tau1,tau2,f1 [kg]\n0,0.1,0.2,3,4,5\n0.01,0.1,0.2,3,4,5\n")
+
+
+def test_a_stream_without_a_time_is_told_to_bring_one() -> None:
+    with pytest.raises(RecordingError) as found:
+        Lines().feed("q1,q2,tau1,tau2\n0.1,0.2,3,4\n0.1,0.2,3,4\n")
+    assert "--map t=COLUMN" in found.value.remedy and "--rate" not in found.value.remedy

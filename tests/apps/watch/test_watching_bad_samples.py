@@ -59,7 +59,6 @@ def test_a_wrong_stamp_is_no_jump_of_the_clock(size: int) -> None:
     assert {c for e in events for c in e.more["channels"]} == {"t"}
 
 
-@pytest.mark.shows("bad_samples.CONFIRMED")
 @pytest.mark.parametrize("jump", [3600.0, -8.0, -0.5])
 def test_a_clock_that_goes_on_from_elsewhere_is_believed(jump: float) -> None:
     rows = stream()
@@ -79,7 +78,6 @@ def test_a_clock_that_only_jumps_is_refused_in_words() -> None:
     assert len(rows) > ASTRAY
 
 
-@pytest.mark.shows("front.LEAST_RATE")
 def test_a_rate_too_low_for_the_cutoff_is_refused_in_words() -> None:
     for rate in (1.0, LEAST_RATE * 4.0 - 1.0, 1e9):
         with pytest.raises(ExoidError, match=r"too low|too high"):

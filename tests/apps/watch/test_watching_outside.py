@@ -187,6 +187,7 @@ def test_lines_bring_the_forces_they_name_and_keep_to_them() -> None:
     assert Lines(LEG, forces=("f2",)).feed("0,.5,-.8,1,2,3\n0.01,.5,-.8,1,2,4\n").shape == (2, 6)
 
 
+@pytest.mark.slow
 def test_a_change_that_ends_is_said_to_be_over() -> None:
     own = rows(125.0)
     t, speed = own[:, 0], np.gradient(own[:, 2], own[:, 0])

@@ -58,19 +58,16 @@ def test_it_is_told_when_no_alarm_will_come_of_it_any_more():
     assert found.events(12.0) == [] and len(found.events(18.5)) == 1
 
 
-@pytest.mark.shows("pushes.STRONG", "pushes.BEYOND")
 @pytest.mark.parametrize(("size", "largest", "told"), [(2.8, 1.0, 0), (3.2, 1.0, 1), (3.2, 1.7, 0), (3.6, 1.7, 1)])
 def test_what_usually_is_missed_and_bursts_are_none(size, largest, told):
     assert len(seen(bump(size, 0.8), largest=largest).events(30.0)) == told
 
 
-@pytest.mark.shows("pushes.SHORTEST")
 @pytest.mark.parametrize(("seconds", "told"), [(0.1, 0), (0.2, 1)])
 def test_a_burst_of_the_sensor_is_none(seconds, told):
     assert len(seen(bump(6.0, seconds)).events(30.0)) == told
 
 
-@pytest.mark.shows("pushes.LONGEST")
 @pytest.mark.parametrize(("seconds", "told"), [(2.9, 1), (3.4, 0)])
 def test_what_lasts_is_a_change(seconds, told):
     assert len(seen(bump(6.0, seconds)).events(30.0)) == told

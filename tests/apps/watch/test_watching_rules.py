@@ -40,7 +40,6 @@ def jump(seed: int) -> Course:
     return Course(t, (t >= 61.0) + noise, np.ones(t.size))
 
 
-@pytest.mark.shows("course.SURE")
 def test_the_interval_of_a_beginning_contains_it(monkeypatch: pytest.MonkeyPatch) -> None:
     def contained() -> int:
         return sum(one.low <= 61.0 <= one.high for one in (onset(jump(seed)) for seed in SEEDS))
@@ -50,7 +49,6 @@ def test_the_interval_of_a_beginning_contains_it(monkeypatch: pytest.MonkeyPatch
     assert contained() < 0.8 * len(SEEDS)
 
 
-@pytest.mark.shows("course.SLOW")
 def test_a_jump_in_noise_is_not_called_slow(monkeypatch: pytest.MonkeyPatch) -> None:
     def slow() -> int:
         return sum(onset(jump(seed)).slow for seed in SEEDS)
@@ -71,7 +69,6 @@ def estimated(rng: np.random.Generator, burst: float = 0.0) -> Estimator:
     return one
 
 
-@pytest.mark.shows("estimator.ROBUST")
 def test_a_burst_hardly_moves_the_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     def moved() -> float:
         return float(np.abs(estimated(np.random.default_rng(0), 5.0).linear - [2.0, -1.0]).max())
@@ -81,7 +78,6 @@ def test_a_burst_hardly_moves_the_numbers(monkeypatch: pytest.MonkeyPatch) -> No
     assert moved() > 3.0 * robust
 
 
-@pytest.mark.shows("estimator.CREDIT")
 def test_what_was_learnt_long_ago_is_not_forgotten_at_rest(monkeypatch: pytest.MonkeyPatch) -> None:
     def vaguer() -> float:
         """How much larger the variance of a parameter is after 10 s in which nothing was learnt of it."""
@@ -102,7 +98,6 @@ def stream(seconds: float = 6.0, rate: float = 100.0) -> np.ndarray:
     return np.column_stack([t, q, 3.0 * q])
 
 
-@pytest.mark.shows("front.SPIKE")
 @pytest.mark.parametrize(("most", "passes"), [(front.SPIKE, False), (1e9, True)])
 def test_a_spike_does_not_ring_in_the_filter(most: float, passes: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(front, "SPIKE", most)
@@ -113,7 +108,6 @@ def test_a_spike_does_not_ring_in_the_filter(most: float, passes: bool, monkeypa
     assert bool(np.abs(made.tau - clean.tau).max() > 1.0) is passes
 
 
-@pytest.mark.shows("front.HOLE")
 @pytest.mark.parametrize(("steps", "unused"), [(2, False), (3, True)])
 def test_samples_are_missing_where_the_clock_leaps(steps: int, unused: bool) -> None:
     def without(rows: np.ndarray) -> int:
@@ -124,7 +118,6 @@ def test_samples_are_missing_where_the_clock_leaps(steps: int, unused: bool) -> 
     assert bool(more > 0) is unused
 
 
-@pytest.mark.shows("front.LONGEST_HOLE")
 @pytest.mark.parametrize(("seconds", "restarts"), [(0.9, 0), (1.1, 1)])
 def test_no_motion_is_made_up_across_a_long_hole(seconds: float, restarts: int) -> None:
     rows = stream()
@@ -134,7 +127,6 @@ def test_no_motion_is_made_up_across_a_long_hole(seconds: float, restarts: int) 
     assert one.restarts == restarts
 
 
-@pytest.mark.shows("front.STEPPED_BACK")
 @pytest.mark.parametrize(("seconds", "restarts"), [(0.03, 0), (0.5, 1)])
 def test_a_clock_that_was_set_back_starts_the_filters_anew(seconds: float, restarts: int) -> None:
     rows = stream()
@@ -144,7 +136,6 @@ def test_a_clock_that_was_set_back_starts_the_filters_anew(seconds: float, resta
     assert one.restarts == restarts
 
 
-@pytest.mark.shows("window.LEAST_WEIGHT")
 @pytest.mark.parametrize(("every", "used"), [(2, True), (5, False)])
 def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
     one = FrontEnd(2)
@@ -155,7 +146,6 @@ def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
     assert bool(seen.all()) is used and bool(seen.any()) is used
 
 
-@pytest.mark.shows("window.STEADY")
 @pytest.mark.parametrize(("every", "tell"), [(20, True), (4, False)])
 def test_samples_beside_what_is_lost_do_not_tell_the_numbers(every: int, tell: bool) -> None:
     one = FrontEnd(2)
@@ -166,7 +156,6 @@ def test_samples_beside_what_is_lost_do_not_tell_the_numbers(every: int, tell: b
     assert seen.used.all() and bool(seen.steady.all()) is tell
 
 
-@pytest.mark.shows("alarm.LEAST_POWER")
 @pytest.mark.parametrize(("power", "looked_at"), [(0.015, False), (0.03, True)])
 def test_rest_is_not_taken_for_change(power: float, looked_at: bool) -> None:
     """A block that shows next to nothing of a column wants something wild of it."""
@@ -175,7 +164,6 @@ def test_rest_is_not_taken_for_change(power: float, looked_at: bool) -> None:
     assert detector.take(Scores(np.full(1, 9.0 * power), np.full(1, power))).alarms is looked_at
 
 
-@pytest.mark.shows("estimator.LEAST_BLOCKS")
 @pytest.mark.parametrize(("blocks", "known"), [(3, False), (4, True)])
 def test_the_scatter_of_three_blocks_is_no_interval(blocks: int, known: bool) -> None:
     one = estimated(np.random.default_rng(0))
@@ -228,7 +216,6 @@ def watching(answer: Differences, alarms: bool = True) -> SimpleNamespace:
     return one
 
 
-@pytest.mark.shows("usual.GROWN", "usual.REST")
 @pytest.mark.parametrize(
     ("after", "left", "explained"),
     [(3.0, 1.4, True), (2.0, 1.6, False), (6.0, 1.6, True), (5.0, 1.6, True), (4.0, 1.65, False)],
@@ -237,7 +224,6 @@ def test_a_name_explains_what_has_grown(after: float, left: float, explained: bo
     assert watching(None).reference.explains(told(after, left)) is explained
 
 
-@pytest.mark.shows("watcher.NOTICED")
 @pytest.mark.parametrize(("after", "goes_on"), [(1.05, False), (1.15, True)])
 def test_an_error_that_hardly_grew_is_not_followed(after: float, goes_on: bool) -> None:
     one = watching(told(after))
@@ -256,7 +242,6 @@ def test_what_no_longer_stands_out_when_it_is_asked_about_again_was_a_burst(alar
     assert [event.more["state"] for event in events] == ([] if alarms else ["over"])
 
 
-@pytest.mark.shows("result.ENOUGH")
 @pytest.mark.parametrize(("apart", "separable"), [(2.5, False), (3.5, True)])
 def test_one_run_chooses_between_rivals_that_are_far_enough_apart(apart: float, separable: bool) -> None:
     pair = {("a", "b"): apart}

@@ -74,6 +74,10 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
         return
     if args.model:
         workspace.use_model(Path(args.model), args.model)
-    _, unseen, told = told_recordings(args, workspace.model.joint_names)
-    for path, one in told.items():
-        workspace.add_file(Path(path), Path(path).name, VERIFY if path in unseen else FIT, told=one)
+    given, unseen, told = told_recordings(args, workspace.model.joint_names)
+    for files, role in ((given, FIT), (unseen, VERIFY)):
+        for path in files.paths:
+            among = path not in files.named
+            workspace.add_file(Path(path), Path(path).name, role, told=told[path], among=among)
+        for path, kind in files.others.items():
+            workspace.leave_out(kind, Path(path).name)

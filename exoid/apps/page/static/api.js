@@ -54,7 +54,7 @@ export async function tell(action, message = {}, signal) {
   return response.json();
 }
 
-// {id} of a recording; of a file that stands in a folder, {passed_over} where it is none.
+// {id} of a recording; nothing of a model, or of a file of a folder that is none.
 export async function upload(file, role, inFolder) {
   const answer = await request(url("/api/file", { name: file.name, role, ...(inFolder && { folder: "" }) }), { method: "PUT", body: file });
   return answer.json();

@@ -3,7 +3,7 @@
 import { ask, numbers, saw } from "./api.js";
 
 export const view = {
-  state: null, recording: null, cursor: null, range: null, selection: null, pointed: null, preview: null, explained: null, passedOver: [],
+  state: null, recording: null, cursor: null, range: null, selection: null, pointed: null, preview: null, explained: null,
 };
 
 const listeners = new Map();

@@ -118,10 +118,12 @@ function wantedRow(wanted, table) {
 function preview(table) {
   const shown = table.columns.slice(0, 60);
   const count = Math.min(ROWS, Math.max(...shown.map((column) => column.first.length), 0));
-  const cell = (value) => (typeof value === "number" ? number(value, 5) : value ?? "");
+  const cell = (value, digits) => (typeof value === "number" ? (digits > 5 ? String(value) : number(value, 5)) : value ?? "");
+  // Of a clock in ms or in seconds since 1970 only the last digits differ.
+  const digits = (column) => (column.first.some((v, k) => k && v !== column.first[k - 1] && cell(v, 5) === cell(column.first[k - 1], 5)) ? 17 : 5);
   return h("table", {},
     h("caption", { class: "caption" }, `${table.columns.length} columns, the first ${count} rows`),
     h("thead", {}, h("tr", {}, shown.map((column) => h("th", { scope: "col" }, column.name, column.unit ? ` [${column.unit}]` : "")))),
-    h("tbody", {}, Array.from({ length: count }, (_, k) => h("tr", {}, shown.map((column) => h("td", { class: "number" }, cell(column.first[k])))))),
+    h("tbody", {}, Array.from({ length: count }, (_, k) => h("tr", {}, shown.map((column) => h("td", { class: "number" }, cell(column.first[k], digits(column))))))),
   );
 }

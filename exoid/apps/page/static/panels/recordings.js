@@ -15,7 +15,7 @@ export function drawRecordings() {
   const list = h("details", { open, ontoggle: (event) => (open = event.target.open) },
     h("summary", {}, `${files.length} file${files.length === 1 ? "" : "s"}, model: ${model}`),
     h("ul", { class: "files" }, files.map(row)),
-    view.passedOver.length > 0 && h("p", { class: "faint", "data-testid": "passed-over" }, `no recordings: ${view.passedOver.join(", ")}`),
+    view.state.left_out && h("p", { class: "faint", "data-testid": "left-out" }, view.state.left_out),
     h("div", { class: "row" }, picker("Add files …", "add-files")),
   );
   const place = document.getElementById("recordings");

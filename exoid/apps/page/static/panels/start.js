@@ -2,31 +2,31 @@
 
 import { tell, upload, uploadSession } from "../api.js";
 import { button, fill, h } from "../dom.js";
-import { look, view } from "../store.js";
+import { view } from "../store.js";
 import { doing, say } from "./status.js";
 
 const HELD_OUT = /^(verify|validation|valid|test|held|hold)/i;
 
-const isModel = (file) => file.name.endsWith(".toml"); // or what exoid map kept
+const endsIn = (file, ends) => ends.some((end) => file.name.toLowerCase().endsWith(end));
+const isModel = (file) => endsIn(file, view.state.model_suffixes); // or what exoid map kept
 
 // What it is about first, then recordings in the order of their names. Of three or more at once the last is held out, if
 // none is yet and no name says so. Of a folder, what is no recording is passed over, and said.
 export async function take(files, inFolder = false) {
-  const known = (file) => !inFolder || isModel(file) || view.state.suffixes.some((end) => file.name.toLowerCase().endsWith(end));
+  const known = (file) => !inFolder || isModel(file) || endsIn(file, view.state.suffixes);
   const seen = [...files].filter((file) => !file.name.startsWith("."));
   const list = seen.filter(known).sort((a, b) => isModel(b) - isModel(a) || a.name.localeCompare(b.name, undefined, { numeric: true }));
-  const passedOver = seen.filter((file) => !known(file)).map((file) => file.name);
+  const others = seen.filter((file) => !known(file)).map((file) => file.name);
   const held = view.state.files.some((one) => one.role === "verify") || list.some((file) => HELD_OUT.test(file.name));
   const first = view.state.files.length === 0; // before the first of these is there
   const taken = [];
   for (const file of list) {
     say(`sending ${file.name}`);
     const answer = await upload(file, HELD_OUT.test(file.name) ? "verify" : "fit", inFolder);
-    if (answer.passed_over) passedOver.push(answer.passed_over);
     if (answer.id) taken.push(answer.id);
   }
-  if (taken.length > 2 && !held && first) await tell("role", { file: taken.at(-1), role: "verify" });
-  if (passedOver.length) look({ passedOver });
+  if (!held && first) await tell("hold_out_last", { files: taken });
+  if (others.length) await tell("left_out", { names: others });
   if (inFolder && !taken.length) throw new Error("the folder holds no recordings");
 }
 
