@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Unpack
 
@@ -30,7 +30,7 @@ from exoid.diagnosis.splits import from_scratch
 from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
 from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, with_own, write_up
 from exoid.ground.progress import Progress, silent
-from exoid.ground.ties import least_of
+from exoid.ground.ties import ascending
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
@@ -41,6 +41,8 @@ from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
+NEAREST = 3
+"""Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
 
 
 def discover(
@@ -104,21 +106,21 @@ def answer_of(
         return answer
     if answer.left_out and answer.error is None and rival.error is not None:
         return answer  # what is another machine's is explained by no such number
-    nearest = _with_nearest(answer, given, rules)
-    if nearest is not None and explained_by(last, nearest) >= rules.most * explained_by(last, explained):
-        return answer  # one effect of the machine explains nearly as much as many numbers of recordings
+    machines = (explained_by(last, one) for one in _of_machine_alone(answer, given, rules))
+    if any(one >= rules.most * explained_by(last, explained) for one in machines):
+        return answer  # an effect of the machine explains nearly as much as many numbers of recordings
     return with_own(rival, told, base)
 
 
-def _with_nearest(answer: Diagnosis, given: Prepared, rules: Rules) -> FittedModel | None:
-    """Return the model that was found and the entry that comes nearest to what it leaves; None where none is near."""
-    names = [term.name for term in answer.model.terms]
+def _of_machine_alone(answer: Diagnosis, given: Prepared, rules: Rules) -> Iterator[FittedModel]:
+    """Yield the model that was found, then with each of the entries that come nearest to what it leaves, fitted to all
+    recordings: a number of a recording's own has seen a part of that recording, too, held out or not.
+    """
+    found, names = answer.model, [term.name for term in answer.model.terms]
     near = [one for one in answer.suspects if one.name not in names and one.explained_share >= rules.worth_telling]
-    if not near:
-        return None
-    best = least_of(near, lambda one: -one.explained_share, 1.0)
-    model = answer.model.with_effect(answer.model.find_effect(best.effect), best.joint)
-    return fitted_model(identify(model, given.train, optimisers=()), given)
+    nearest = ascending(near, lambda one: -one.explained_share, 1.0)[:NEAREST]
+    for model in (found, *(found.with_effect(found.find_effect(one.effect), one.joint) for one in nearest)):
+        yield _on(identify(model, given.all, optimisers=()), given)
 
 
 def _on(fit: Fit, prepared: Prepared) -> FittedModel:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.evidence.gram import inverse_of
@@ -160,6 +161,10 @@ def clearer(once: Sequence[Float], then: Sequence[Float]) -> float:
     return fall / max(spread, least) if abs(fall) > least else 0.0
 
 
+def _nothing(seen: Seen) -> Float:
+    return np.zeros((*seen.torque.shape, 1))
+
+
 def _total(losses: Sequence[Float]) -> float:
     return float(sum(one.sum() for one in losses))
 
@@ -183,6 +188,7 @@ class _Recordings:
             np.concatenate([block.columns, *own, block.residual[:, :, None]], axis=2) * block.use[:, :, None]
             for block, own in zip(self.blocks, pieces, strict=True)
         ]
+        self.curves: dict[str | None, State] = {}
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
         questions = sum(1 if one.everyone else len(self.blocks) for one in self.claims)
         self.clear = max(rules.clear, NormalDist().inv_cdf(1.0 - rules.strict_level / questions))
@@ -293,11 +299,39 @@ class _Recordings:
             self._weighted(state)
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
             best = least_of(longer, self.loss, 1.0) if longer else state
-            if not self.pays(state, best, self.clear):
+            if not self.pays(state, best, self.clear) or self._is_a_curve(state, best[-1]):
                 break
             state = best
         self._weighted(state)
         return self._pruned(state)
+
+    def _is_a_curve(self, rest: State, held: Claimed) -> bool:
+        """Whether one curve in its joint's velocity, the same in all recordings, explains what a claim does: where each
+        recording has a speed of its own, friction that depends on speed looks like friction that differs.
+        """
+        curve = self._curve(held.claim.place)
+        self._weighted((*rest, held))
+        return bool(curve) and not self.pays((*rest, *curve), (*rest, held), self.clear)
+
+    def _curve(self, joint: str | None) -> State:
+        """Return a curve as claims of all recordings together, one for each spline; none where `joint` is no joint."""
+        names = self.now.model.joint_names
+        if joint in self.curves or joint not in names:
+            return self.curves.get(joint, ())
+        place = names.index(joint)
+        everywhere = replace(self.now, prepared=replace(self.now.prepared, train=self.now.prepared.all, verify=()))
+        splines = splines_along(everywhere, f"dq{place + 1}", place, "sign", self.rules.knots)
+        if splines is None:
+            return ()
+        first, many = self.rows[0].shape[2] - 1, splines.basis.shape[1]
+        for k, (rows, one, block) in enumerate(zip(self.rows, splines.columns, self.blocks, strict=True)):
+            columns = np.zeros((*rows.shape[:2], many))
+            columns[place] = one.values[0, 0] * block.use[place][:, None]
+            self.rows[k] = np.concatenate([rows[:, :, :-1], columns, rows[:, :, -1:]], axis=2)
+        claims = [Claim("curve", joint, "N·m", _nothing, (-np.inf, np.inf)) for _ in range(many)]
+        self.place |= {id(claim): slice(first + k, first + k + 1) for k, claim in enumerate(claims)}
+        self.curves[joint] = tuple(Claimed(claim, 0.0, (tuple(range(len(self.rows))),)) for claim in claims)
+        return self.curves[joint]
 
     def _promising(self, state: State) -> list[Claimed]:
         """Return of every claim that is not held the recording and node that promise most, the best few."""
