@@ -62,6 +62,28 @@ def test_zeros_set_anew_are_told_and_the_rest_is_adequate(held):
     assert one["sentence"] in found.sentence and one["joint"] == "axis" and one["unit"] == "N·m"
 
 
+def rubbing(k, speed):
+    """Return a recording back and forth at one speed, of friction that is larger at creeping speed."""
+    t = np.arange(0.0, 24.0, 0.01)
+    dq = speed * np.clip(8.0 * np.sin(2.0 * np.pi * t / 12.0), -1.0, 1.0)
+    ddq = np.gradient(dq, t)
+    tau = (0.5 + 0.25 / (1.0 + np.abs(dq) / 0.12)) * np.sign(dq) + 0.1 * dq + 0.05 * ddq
+    rng = np.random.default_rng(k)
+    q = 0.01 * np.cumsum(dq)[:, None] + 1e-5 * rng.standard_normal((len(t), 1))
+    return Recording(f"v_{speed}", t, q, tau[:, None] + 0.01 * rng.standard_normal((len(t), 1)), joints=AXIS.joints)
+
+
+SPEEDS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("held", [0, 4])
+def test_friction_that_depends_on_speed_belongs_to_no_recording_though_each_has_a_speed_of_its_own(held):
+    runs = [rubbing(k, speed) for k, speed in enumerate(SPEEDS)]
+    found = discover(replace(AXIS, gravity=0.0), [*runs[:held], *runs[held + 1 :]], runs[held])
+    assert found.of_recordings == ()
+
+
 def test_an_effect_is_found_beside_them():
     model = AXIS.with_effect("viscous_quadratic:axis")
     runs = [drive(k, [*NUMBERS, 0.4], z, model=model) for k, z in enumerate((0.9, -0.6, 0.2, -1.1))]
@@ -99,7 +121,6 @@ def test_another_gain_and_another_level_of_friction():
     assert stiff.verdict == "adequate" and told(stiff) == {"friction_level": pytest.approx({"run_4": 1.5}, abs=0.04)}
 
 
-@pytest.mark.shows("own_recordings")
 def test_a_single_recording_has_no_others_and_of_many_one_does_not_matter():
     def asked(runs, **rules):
         prepared = prepare(AXIS, runs)
