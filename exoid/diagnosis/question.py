@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exoid.diagnosis.evidence.channels import doubts_before, doubts_of_recordings
+from exoid.diagnosis.evidence.channels import doubts_after, doubts_before, doubts_of_recordings
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
 from exoid.diagnosis.evidence.library import build_library
+from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
 from exoid.diagnosis.evidence.stretches import searched_stretches
 from exoid.diagnosis.readings import readings_of
@@ -78,30 +79,59 @@ class Question:
     def search(
         self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None
     ) -> Searched:
-        """Search beside `base`, the model as it was `fitted`; `found` hears of every step."""
-        asked, rules, prepared = self.asked, self.rules, base.prepared
+        """Search beside `base`, the model as it was `fitted`; `found` hears of every step.
 
-        def context_of(part: Prepared) -> SearchContext:
-            more = (*own_effects(self.model, asked.extra), *readings_of(self.model, prepared))
-            library = build_library(self.model, part.all, more)
-            return SearchContext(part, library, asked.seed, tick, rules)
+        That channels are misread, or that something outside pushes, has to beat the machine with its best effects.
+        """
+        prepared = base.prepared
+        if prepared.misread:
+            rest = tuple(one for one in prepared.findings if one not in prepared.misread)
+            as_given = replace(base, prepared=replace(prepared, findings=rest, misread=()))
+            rival = self.search(as_given, tick)
+            return rival if self._is_explained(rival) else self._answered(base, check_channels(prepared.misread), tick)
+        if (wrong := doubts_of_recordings(base, self.rules)) is not None:
+            return self._answered(base, doubted(wrong), tick)
+        if (outside := intermittent(base, self.rules)) is not None:
+            rival = self._searched(base, tick)
+            joints = base.model.joints
+            return rival if self._is_explained(rival) else self._answered(base, pushed(outside, joints), tick)
+        return self._searched(base, tick, found)
 
-        answer = _before_any_search(
-            base, rules, lambda: most_explained(context_of(searched_stretches(prepared, rules)), base)
-        )
-        part = prepared if answer is not None else searched_stretches(prepared, rules)
-        context = context_of(part)
+    def _is_explained(self, rival: Searched) -> bool:
+        """Whether a model that can be was found, and leaves about the noise."""
+        last = rival.found.state.last.fitted
+        if rival.answer is not None or np.any(times_noise(last) > self.rules.near_noise):
+            return False
+        return doubts_after(rival.base, last, self.rules) is None
+
+    def _searched(
+        self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None
+    ) -> Searched:
+        rules, part = self.rules, searched_stretches(base.prepared, self.rules)
+        context = self._context(part, base.prepared, tick)
+        doubt = doubts_before(base, rules, lambda: most_explained(context, base))
+        if doubt is not None:
+            return self._answered(base, doubted(doubt), tick)
+        if np.all(base.evaluation_rms <= rules.artefact * base.prepared.filter_error):
+            return self._answered(base, within_filter_error(base), tick)
         if found is not None:
             context = replace(context, grown=lambda state: found(steps_of(state.extensions)))
-        if answer is not None:
-            return Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
-        start = Extension(base) if part is prepared else context.fit(self.model)
+        start = Extension(base) if part is base.prepared else context.fit(self.model)
         first = tuple(context.rank(start, 1)[1])  # wanted in any case
         soft = plainly_soft(start.fitted, context.noise(start), rules)
         if soft is not None:
             nothing = Found(State((start,)), first)
-            return Searched(prepared, base, context, nothing, soft=soft)
-        return Searched(prepared, base, context, run_search(context, start))
+            return Searched(base.prepared, base, context, nothing, soft=soft)
+        return Searched(base.prepared, base, context, run_search(context, start))
+
+    def _answered(self, base: FittedModel, answer: Conclusion, tick: Progress) -> Searched:
+        """Return an answer that no search led to."""
+        context = self._context(base.prepared, base.prepared, tick)
+        return Searched(base.prepared, base, context, Found(State((Extension(base),)), ()), answer)
+
+    def _context(self, part: Prepared, prepared: Prepared, tick: Progress) -> SearchContext:
+        more = (*own_effects(self.model, self.asked.extra), *readings_of(self.model, prepared))
+        return SearchContext(part, build_library(self.model, part.all, more), self.asked.seed, tick, self.rules)
 
 
 def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
@@ -118,25 +148,6 @@ def most_explained(context: SearchContext, base: FittedModel) -> float:
     candidates = [one for one in context.library.candidates if not is_transform(one.term)]
     scores = context.all_weighed(start, context.evidence(start, draws=0), candidates)
     return max((score.share for score in scores if score.helps and not score.caution), default=0.0)
-
-
-def _before_any_search(base: FittedModel, rules: Rules, best: Callable[[], float]) -> Conclusion | None:
-    """Return the conclusion that needs no search: the channels cannot be right, something outside acts in part of the
-    time, or nothing is left but filter error.
-    """
-    if base.prepared.misread:
-        return check_channels(base.prepared.misread)
-    if (wrong := doubts_of_recordings(base, rules)) is not None:
-        return doubted(wrong)
-    outside = intermittent(base, rules)
-    if outside is not None:
-        return pushed(outside, base.model.joints)
-    doubt = doubts_before(base, rules, best)
-    if doubt is not None:
-        return doubted(doubt)
-    if np.all(base.evaluation_rms <= rules.artefact * base.prepared.filter_error):
-        return within_filter_error(base)
-    return None
 
 
 def steps_of(extensions: Sequence[Extension], sentences: Sequence[str] = ()) -> tuple[Step, ...]:
