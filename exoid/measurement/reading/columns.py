@@ -316,9 +316,11 @@ def _check_missing(
     absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
-    what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
+    seen_there = f"columns found: {listed(table.names)}"
+    seen_there += f"; no columns of numbers: {listed(table.others, 8)}" if table.others else ""
+    what = f"no column for {', '.join(missing)} was found ({seen_there})"
     if missing == ["t"]:
-        what = f"no time column was found (columns found: {listed(table.names)})"
+        what = f"no time column was found ({seen_there})"
         raise RecordingError(what, where=where, remedy=f"{no_clock}; or --map t=COLUMN")
     remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
     raise error(what, where=where, remedy=remedy)
