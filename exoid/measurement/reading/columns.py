@@ -362,7 +362,7 @@ def _with_unit(
         of_all = ""  # --units q=deg is not meant for the joint that slides
     told = units.get(name) or units.get(column.name) or of_all
     si = SI_UNIT[quantity]
-    written = column.unit or hidden.get(id(column), "")
+    written = column.unit or hidden.get(id(column), "") or _hidden(column.name, name, tuple(joints))
     unit = told or written
     if unit in DIMENSIONLESS:
         return Assigned(name, column, si, 1.0, False)
@@ -387,6 +387,12 @@ def _with_unit(
         remedy = "give a unit without a minus; where the clock counts down, write a column that counts up"
         raise RecordingError(what, where=where, remedy=remedy)
     return Assigned(name, column, unit, scale, True)
+
+
+def _hidden(text: str, name: str, joints: tuple[Joint, ...]) -> str:
+    """Return the unit at the end of the name of a column that was mapped by hand to what it says: "timestamp_ms"."""
+    found = recognise(text, joints)
+    return found.unit if found and found.name == name else ""
 
 
 def _further(unit: str) -> str:

@@ -63,7 +63,8 @@ FILLERS = frozenset(
         "joint", "joints", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder", "data",
         "value", "values", "signal", "output", "link", "leg", "exo", "exoskeleton", "robot", "drive", "axis",
         "actuator", "applied", "filtered", "filt", "estimate", "estimated", "est", "state", "states", "feedback", "fbk",
-        "node", "jnt", "channel", "sagittal", "raw", "pitch", "de", "la", "le", "du", "del", "der", "am", "moteur",
+        "node", "jnt", "channel", "sagittal", "raw", "pitch", "present", "de",
+        "la", "le", "du", "del", "der", "am", "moteur",
         "gemessen", "ist", "istwert", "mesure", "mesuree", "reel", "reelle", "medido", "medida", "real", "articulacion",
         "articulation", "gelenk",
     }
