@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
+from exoid.measurement.reading.likely import likely_option
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
@@ -308,11 +309,12 @@ def _check_missing(
             f"--units {','.join(f'{name}=Nm/A*0.1*50' for name in torques)} with your numbers",
         )
     idle = [joints[int(name.removeprefix("tau")) - 1].name for name in torques]
-    drive = f"; --passive {idle[0]} where that joint has no drive" if torques == missing and len(idle) == 1 else ""
     used = {id(column) for column in chosen.values()}
-    free = [column.name for column in table.columns if id(column) not in used]
-    close = nearest(missing[0], free, 1, cutoff=0.5)
-    example = f"{missing[0]}={close[0] if close else 'COLUMN'}"
+    names = numbered(table.names)
+    free = [replace(c, name=n) for c, n in zip(table.columns, names, strict=True) if id(c) not in used]
+    option, all_found = likely_option(missing, free, chosen["t"].values if "t" in chosen else None, joints)
+    alone = torques == missing and len(idle) == 1 and "--passive" not in option
+    drive = f"; --passive {idle[0]} where that joint has no drive" if alone else ""
     absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
@@ -322,7 +324,7 @@ def _check_missing(
     if missing == ["t"]:
         what = f"no time column was found ({seen_there})"
         raise RecordingError(what, where=where, remedy=f"{no_clock}; or --map t=COLUMN")
-    remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
+    remedy = (f"did you mean {option}?" if all_found else f"say which column it is: {option}") + drive
     raise error(what, where=where, remedy=remedy)
 
 

@@ -326,6 +326,12 @@ def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning 
     return _reading(quantity, min(found), rank, sides, last, joints)._replace(unit=unit)
 
 
+def joints_of(name: str, joints: tuple[Joint, ...]) -> frozenset[int]:
+    """Return which joints a name names, counted from 1, whatever else it says."""
+    words = re.split(r"[\W_]+", _spaced(name).lower())
+    return frozenset(_joint(word, joints) for word in words) - {0}
+
+
 def _sorted_out(parts: Sequence[str], joints: tuple[Joint, ...]) -> _Part:
     """Return quantity, joints and sides among the words of `parts`, and whether any other word is left."""
     number, lower = _spelt(_spaced(" ".join(parts)).lower().split(), joints)
