@@ -121,7 +121,7 @@ def test_a_name_with_a_star_is_a_name_first():
         ("duty*vols", {}, "did you mean 'volts"),
         ("duty**volts", {}, "is not in the file"),
         ("*".join(["duty"] * 20), {}, "is not in the file"),
-        ("duty*volts", {}, "--units tau1=Nm*NUMBER"),
+        ("duty*volts", {}, "--units tau1=Nm*0.5 with what one"),
         ("duty*volts", {"tau1": "Nm/V*0.5"}, "write the factor for one %*V"),
         ("__import__('os')*volts", {}, "is not in the file"),
     ],

@@ -124,6 +124,7 @@ def assign_usable(
         _check_missing(chosen, table, where, joints, no_clock)
     out: dict[str, Assigned] = {}
     faults: dict[str, RecordingError] = {}
+    asked: list[RecordingError] = []
     for name in canonical_columns(joints):
         if name not in chosen:
             continue
@@ -131,9 +132,23 @@ def assign_usable(
             out[name] = _with_unit(name, chosen[name], units, hidden, where, joints)
         except RecordingError as error:
             if name not in spare or name in mapping or name in units:
-                raise
-            faults[name] = error
+                asked.append(error)
+            else:
+                faults[name] = error
+    if asked:
+        raise _together(asked)
     return out, faults
+
+
+def _together(errors: Sequence[RecordingError]) -> RecordingError:
+    """Return the first of several errors, its remedy with the options of those that are answered by --units too."""
+    first, *others = errors
+    found = [re.match(r"--units (\S+)", error.remedy) for error in errors]
+    if not others or found[0] is None:
+        return first
+    options = ",".join(match[1] for match in found if match)
+    what = "; ".join(error.what for error, match in zip(errors, found, strict=True) if match)
+    return RecordingError(what, where=first.where, remedy=f"--units {options}{first.remedy[found[0].end() :]}")
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
@@ -369,20 +384,23 @@ def _with_unit(
     if unit in DIMENSIONLESS:
         return Assigned(name, column, si, 1.0, False)
     scale = factor(quantity, unit, written)
+    plain = si.replace("·", "")
     if scale is None and (is_scaled(quantity, unit) or (written == unit and "*" in unit)):
+        number, meaning = _further(unit)
         raise RecordingError(
             f"column {column.name!r} ({name}) is in {unit}, which becomes {si} only with a further number",
             where=where,
-            remedy=f"--units {name}={unit}*NUMBER: {_further(unit)}"
+            remedy=f"--units {name}={unit}*{number} with your numbers: {meaning}"
             if "*" not in unit
-            else f"--units {name}={si.replace('·', '')}*NUMBER, with what one {unit} is",
+            else f"--units {name}={plain}*0.5 with what one {unit} is",
         )
     if scale is None and is_product(unit) and written and factor(quantity, unit) is not None:
         what = f"{name}={unit} does not fit column {column.name!r}, which the file says is in {written}"
         raise RecordingError(what, where=where, remedy=f"write the factor for one {written}")
     if scale is None:
         what = f"unit {unit!r} of column {column.name!r} ({name}) is not known"
-        remedy = f"--units {name}=UNIT with one of {', '.join(QUANTITIES[quantity])}"
+        close = nearest(unit, QUANTITIES[quantity], 1, cutoff=0.6)
+        remedy = f"--units {name}={close[0] if close else plain} if it is so; known: {', '.join(QUANTITIES[quantity])}"
         raise RecordingError(what, where=where, remedy=remedy)
     if quantity == "t" and scale < 0.0:
         what = f"time counts backwards in {unit!r}: every velocity would change its sign"
@@ -397,9 +415,11 @@ def _hidden(text: str, name: str, joints: tuple[Joint, ...]) -> str:
     return found.unit if found and found.name == name else ""
 
 
-def _further(unit: str) -> str:
-    """Return what the number is that turns `unit` into SI."""
+def _further(unit: str) -> tuple[str, str]:
+    """Return an example of the number that turns `unit` into SI, and what it is."""
     below = unit.rpartition("/")[2].strip().lower()
     if below in ("a", "ma"):
-        return "torque constant times gear ratio"
-    return "the body mass in kg" if below == "kg" else "the rated torque at the joint" if below in "%‰" else "the gain"
+        return "0.1*50", "torque constant times gear ratio"
+    if below == "kg":
+        return "75", "the body mass in kg"
+    return ("45", "the rated torque at the joint") if below in "%‰" else ("0.5", "the gain")

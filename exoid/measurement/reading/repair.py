@@ -348,7 +348,7 @@ def _clock_unit(draft: Draft) -> Draft:
     step = float(np.median(np.diff(t)))
     if unit == "index":
         what = "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?"
-        remedy = "say what one count is: --units t=ms, or --rate 100 for a row every 10 ms"
+        remedy = "say how often it was sampled: --rate 100 for a row every 10 ms, or what one count is: --units t=ms"
         return draft.noted("time", "refused", what, "column t", value=step, limit=0.5, remedy=remedy)
     if unit == "s":
         return draft
