@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from exoid.diagnosis.comparison import compare
 from exoid.ground.errors import RecordingError
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.workbench.commands.demo import DATA
 
+DEMO = [np.genfromtxt(path, delimiter=",", names=True) for path in sorted(DATA.glob("train*.csv"))]
 SERVO = (Joint("servo", length=1.0),)
 T = np.arange(1200) * 0.01
 POSITION = np.round(2048 + 600 * np.sin(T) + 200 * np.sin(2.3 * T))
@@ -65,3 +69,20 @@ def test_counts_without_a_unit_are_asked_once_and_the_answer_works():
 def test_whole_numbers_of_a_plausible_size_are_not_asked():
     found = read_recording({"t": T, "q1": np.sin(T), "tau1": np.round(40 * np.cos(T))}, joints=SERVO)
     assert found.tau.max() == 40
+
+
+def test_the_zeros_of_encoders_are_found_and_named_where_a_scale_was_given(tmp_path):
+    """Recordings of the demo, written as counts."""
+    made = [{name: run[name] for name in ("t", "q1", "q2", "tau1", "tau2")} for run in DEMO[:2]]
+    units = {"q1": "deg/20", "q2": "deg/45.5"}
+    counts = []
+    for one in made:
+        hip, knee = np.degrees(one["q1"]) + 64.25, np.degrees(one["q2"]) + 26.6
+        counts.append({**one, "q1": np.round(20 * hip), "q2": np.round(45.5 * knee)})
+    (doubt,) = compare(Model.standard(), [read_recording(one, units=units) for one in counts]).misread
+    option = doubt.remedy.partition("--convention ")[2]
+    zeros = [float(part.partition("=")[2]) for part in option.split(",")]
+    assert zeros == pytest.approx([-64.25, -26.6], abs=4.0)  # of a leg whose friction the rough one does not have
+    again = compare(Model.standard(), [read_recording(one, units=units, convention=option) for one in counts])
+    assert not again.misread and again.where
+    assert not compare(Model.standard(), [read_recording(one) for one in made]).misread

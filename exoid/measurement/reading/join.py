@@ -97,8 +97,8 @@ def _piece(table: RawTable, where: str, told: StatedMapping, joints: tuple[Joint
         lacks = "no time" if "t" not in found else "neither angles nor torques"
         what = f"{lacks} was found in the file"
         raise RecordingError(what, where=where, remedy="say which column it is: --map t=COLUMN, q1=COLUMN, ...")
-    columns, mended, _ = in_si(found, where, joints)
-    table = replace(table, notes=(*table.notes, *(Finding("registers", "repaired", what, where) for what in mended)))
+    columns, registers = in_si(found, where, joints)
+    table = replace(table, notes=(*table.notes, *registers))
     t = columns.pop("t")
     epoch = None if found["t"].told else clock.epoch_unit(t)
     if epoch:

@@ -11,8 +11,10 @@ import numpy as np
 
 from exoid.ground.errors import RecordingError
 from exoid.ground.thresholds import threshold
+from exoid.measurement.finding import Finding
 from exoid.measurement.reading.columns import Assigned
 from exoid.measurement.reading.names import kind_of, quantity_of
+from exoid.measurement.reading.units import is_product
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.motion import Float
 from exoid.symbolic.units import SI_UNIT
@@ -29,6 +31,8 @@ LEAST = threshold(
     __name__, "LEAST", 3,
     "times that the sign changes: a single step of what is measured would be taken for one",
 )  # fmt: skip
+COUNTED = "counts of {}"
+"""What a finding is called that says that an angle counts the steps of an encoder."""
 REACH = {"q": 4 * np.pi, "dq": np.inf, "ddq": np.inf, "tau": 1000.0}
 """rad and N·m that whole numbers without a unit go to, beyond which they are counts: nobody logs two turns, or the
 torque of a strong drive, without a decimal."""
@@ -39,14 +43,15 @@ TURN = 360.0
 
 def in_si(
     assigned: Mapping[str, Assigned], where: str, joints: Sequence[Joint]
-) -> tuple[dict[str, Float], list[str], list[str]]:
-    """Return the columns {canonical name: (N,)} in SI, what was mended in them, and what was left out of them.
+) -> tuple[dict[str, Float], tuple[Finding, ...]]:
+    """Return the columns {canonical name: (N,)} in SI, and what was found of registers and counts in them.
 
     RecordingError for angles and torques that are counts of which nobody said what one is.
     """
     columns: dict[str, Float] = {}
     mended: dict[str, str] = {}
     counts: dict[str, Float] = {}
+    findings: list[Finding] = []
     for name, item in assigned.items():
         values, quantity = item.column.values, quantity_of(name)
         if quantity in REACH and _whole(values):
@@ -55,6 +60,9 @@ def in_si(
                 values, mended[name] = signed, how
             if not item.told and (how or np.nanmax(np.abs(values), initial=0.0) > _reach(name, joints)):
                 counts[name] = values
+            if quantity == "q" and item.told and is_product(item.unit) and kind_of(name, joints) == "q":
+                what = f"{name} counts the steps of an encoder, whose zero may lie anywhere"
+                findings.append(Finding(COUNTED.format(name), "info", what, where))
         columns[name] = values * item.factor
     asked = {name: values for name, values in counts.items() if quantity_of(name) in ("q", "tau")}
     if asked:
@@ -62,8 +70,14 @@ def in_si(
         raise RecordingError(what, where=where, remedy=remedy)
     spare = [name for name in counts if name not in asked]
     columns = {name: values for name, values in columns.items() if name not in spare}
-    said = [f"{name} {how}: an unsigned register, read as signed" for name, how in mended.items() if name in columns]
-    return columns, said, [f"{' and '.join(spare)} left out: counts without a unit"] if spare else []
+    for name, how in mended.items():
+        if name in columns:
+            what = f"{name} {how}: an unsigned register, read as signed"
+            findings.append(Finding("registers", "repaired", what, where, remedy="nothing"))
+    if spare:
+        what = f"{' and '.join(spare)} left out: counts without a unit"
+        findings.append(Finding("columns", "info", what, where))
+    return columns, tuple(findings)
 
 
 def _whole(values: Float) -> bool:

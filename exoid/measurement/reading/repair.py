@@ -96,16 +96,13 @@ def _start(
     faults: Mapping[str, RecordingError],
 ) -> Draft:
     """Convert units, leave out what not every joint has, say what was taken for what."""
-    columns, mended, left = in_si(assigned, source.path or name, joints)
+    columns, registers = in_si(assigned, source.path or name, joints)
     told = frozenset(name for name, item in assigned.items() if item.told)
     valid, file = np.ones(table.row.shape[0], dtype=bool), source.path or name
     draft = Draft(columns, valid, table.row, told, file, table.notes, joints)
     for error in faults.values():
         draft = draft.noted("columns", "warning", f"left out, and not needed: {error.what} ({error.remedy})")
-    for what in mended:
-        draft = draft.noted("registers", "repaired", what, remedy="nothing")
-    for what in left:
-        draft = draft.noted("columns", "info", what)
+    draft = replace(draft, findings=(*draft.findings, *registers))
     epoch = None if "t" in told or "t" not in columns else clock.epoch_unit(columns["t"])
     if epoch:
         first = columns["t"][np.flatnonzero(np.isfinite(columns["t"]))[0]]
