@@ -47,6 +47,7 @@ def test_signs_are_put_right_and_said(said):
         CURRENT + 1024,  # passes the value of the bit without a jump
         np.where(np.arange(1200) % 97 == 0, 65535, 200 + CURRENT),  # a code for an error, now and then
         np.where(CURRENT < 0, CURRENT + 65536, CURRENT) + 0.5,  # no register
+        np.where(np.sin(3 * T) > 0, 100, 1100) + np.round(3 * np.sin(40 * T)),  # two levels
     ],
 )
 def test_what_is_not_certain_is_left_alone(numbers):

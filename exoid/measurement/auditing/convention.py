@@ -65,7 +65,7 @@ AS_GOOD = threshold(
     "times what the best reading leaves, within which the one with the fewest names is named: three errors for one",
 )  # fmt: skip
 NEAR = 0.09
-"""rad from a usual zero, within which that of an encoder is taken for it: what the rough machine lacks moves it so far."""
+"""rad from a usual zero, within which that of an encoder is taken for it: what the rough machine lacks moves it."""
 
 
 @dataclass(frozen=True, eq=False)

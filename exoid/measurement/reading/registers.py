@@ -31,6 +31,10 @@ LEAST = threshold(
     __name__, "LEAST", 3,
     "times that the sign changes: a single step of what is measured would be taken for one",
 )  # fmt: skip
+NEAR_ZERO = threshold(
+    __name__, "NEAR_ZERO", 0.1,
+    "of the largest number of each sign that the smallest has at most: two levels would be taken for two signs",
+)  # fmt: skip
 COUNTED = "counts of {}"
 """What a finding is called that says that an angle counts the steps of an encoder."""
 REACH = {"q": 4 * np.pi, "dq": np.inf, "ddq": np.inf, "tau": 1000.0}
@@ -96,8 +100,8 @@ def _reach(name: str, joints: Sequence[Joint]) -> float:
 def _signed(values: Float) -> tuple[Float, str]:
     """Return whole numbers with their sign, and how it was written; as they are, and "", where that is not certain.
 
-    It is where both signs are there, every change of sign is a jump over half the register as the numbers stand, and
-    none is a jump in what they mean.
+    It is where both signs are there and come near zero, every change of sign is a jump over half the register as the
+    numbers stand, and none is a jump in what they mean.
     """
     good = values[np.isfinite(values)]
     if good.size < 10 or good.min() < 0:
@@ -115,7 +119,9 @@ def _signed(values: Float) -> tuple[Float, str]:
         jumps, steps = np.abs(np.diff(good))[cross], np.abs(np.diff(meant))
         if min(negative.mean(), 1 - negative.mean()) < BOTH or cross.size < LEAST:
             continue
-        if jumps.min() > low / 2 and steps.max() < low / 2:
+        sizes = (-meant[negative], meant[~negative])
+        through = all(size.min() <= NEAR_ZERO * size.max() for size in sizes)
+        if through and jumps.min() > low / 2 and steps.max() < low / 2:
             out = np.where(values >= low, values - high if whole_register else low - values, values)
             jump = f"jumps by {high:.0f}" if whole_register else f"has its sign in bit {bits} (jumps by {low:.0f})"
             return out, jump
