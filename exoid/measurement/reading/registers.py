@@ -13,6 +13,7 @@ from exoid.ground.errors import RecordingError
 from exoid.ground.thresholds import threshold
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.columns import Assigned
+from exoid.measurement.reading.limits import FASTEST
 from exoid.measurement.reading.names import kind_of, quantity_of
 from exoid.measurement.reading.units import is_product
 from exoid.symbolic.joints import Joint
@@ -37,9 +38,9 @@ NEAR_ZERO = threshold(
 )  # fmt: skip
 COUNTED = "counts of {}"
 """What a finding is called that says that an angle counts the steps of an encoder."""
-REACH = {"q": 4 * np.pi, "dq": np.inf, "ddq": np.inf, "tau": 1000.0}
-"""rad and N·m that whole numbers without a unit go to, beyond which they are counts: nobody logs two turns, or the
-torque of a strong drive, without a decimal."""
+REACH = {"q": 4 * np.pi, "dq": FASTEST, "ddq": np.inf, "tau": 1000.0}
+"""rad, rad/s and N·m that whole numbers without a unit go to, beyond which they are counts: nobody logs two turns, or
+the torque of a strong drive, without a decimal."""
 CIRCLES = (1024, 4096, 8192, 16384, 65536, 262144, 1048576)
 """Counts of one turn that encoders have."""
 TURN = 360.0
@@ -55,6 +56,7 @@ def in_si(
     columns: dict[str, Float] = {}
     mended: dict[str, str] = {}
     counts: dict[str, Float] = {}
+    counted: set[str] = set()
     findings: list[Finding] = []
     for name, item in assigned.items():
         values, quantity = item.column.values, quantity_of(name)
@@ -62,9 +64,11 @@ def in_si(
             signed, how = _signed(values)
             if how:
                 values, mended[name] = signed, how
-            if not item.told and (how or np.nanmax(np.abs(values), initial=0.0) > _reach(name, joints)):
+            own = quantity not in ("q", "tau") and f"q{name.removeprefix(quantity)}" in counted  # a rate of counts
+            if not item.told and (how or own or np.nanmax(np.abs(values), initial=0.0) > _reach(name, joints)):
                 counts[name] = values
             if quantity == "q" and item.told and is_product(item.unit) and kind_of(name, joints) == "q":
+                counted.add(name)
                 what = f"{name} counts the steps of an encoder, whose zero may lie anywhere"
                 findings.append(Finding(COUNTED.format(name), "info", what, where))
         columns[name] = values * item.factor
