@@ -20,6 +20,7 @@ from exoid.ground.minimum import minimum
 from exoid.ground.thresholds import threshold
 from exoid.ground.ties import ascending, index_of_least, order_of, tied
 from exoid.measurement.auditing.channels import place
+from exoid.measurement.auditing.encoder_zeros import best_zeros, counted_joints
 from exoid.measurement.auditing.hypotheses import (
     BEAM,
     RATIOS,
@@ -63,6 +64,8 @@ AS_GOOD = threshold(
     __name__, "AS_GOOD", 1.5,
     "times what the best reading leaves, within which the one with the fewest names is named: three errors for one",
 )  # fmt: skip
+NEAR = 0.09
+"""rad from a usual zero, within which that of an encoder is taken for it: what the rough machine lacks moves it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +101,7 @@ def check_conventions(
     together = _stands(smoothed_groups(every, weighs, forces))
     if together < LEAST:
         return ()
-    found = better_reading(recordings, weighs, forces)
+    found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces))
     if found is None and len(recordings) > 1:
         alone = ((one, better_reading([one], weighs, forces)) for one in _odd(recordings, weighs, forces))
         return tuple(
@@ -113,6 +116,26 @@ def check_conventions(
     if beside and _stands(_read_so(every, recordings, found, weighs, forces)) >= together:
         return ()
     return (_finding(recordings, found),)
+
+
+def _with_zeros(
+    recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]], found: Better | None
+) -> Better | None:
+    """Return the zeros of encoders where they fit no worse than the usual reading that was `found`, or else that: of
+    counts a zero at a right angle is no likelier than any other, unless it is the one that fits.
+    """
+    counted = counted_joints(recordings)
+    if not counted or (found is not None and not any(one.zero for one in found.reading.names)):
+        return found
+    now = _stands(sets)
+    reading, left = best_zeros(sets, counted)
+    if left > min(GAIN, now / TIMES, np.inf if found is None else found.then):
+        return found
+    if found is None:
+        return Better(reading, now, left, ())
+    apart = np.angle(np.exp(1j * (reading.map.zero - found.reading.map.zero)))
+    same = np.allclose(found.reading.map.angle, reading.map.angle) and np.abs(apart).max() < NEAR
+    return found if same else Better(reading, now, left, (found.reading,))
 
 
 def _odd(

@@ -33,8 +33,8 @@ APART = threshold(
     "s over a recording by which clocks of different rates come apart: no answer depends on less",
 )  # fmt: skip
 SHARE = threshold(
-    __name__, "SHARE", 0.02,
-    "share of what a rigid machine leaves that it explains: what is left would be of another kind",
+    __name__, "SHARE", 0.1,
+    "share of what a rigid machine leaves that it explains: a missing effect happens to look so by a few hundredths",
 )  # fmt: skip
 LEAST_SAMPLES = 200
 STEPS, MOST = 6, 0.05
