@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeGuard
 
 import numpy as np
 
+from exoid.diagnosis.evidence.best_effects import may_leave_noise
 from exoid.diagnosis.evidence.channels import doubts_after, doubts_before, doubts_of_recordings
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
@@ -87,20 +89,22 @@ class Question:
         if prepared.misread:
             rest = tuple(one for one in prepared.findings if one not in prepared.misread)
             as_given = replace(base, prepared=replace(prepared, findings=rest, misread=()))
-            rival = self.search(as_given, tick)
+            rival = self.search(as_given, tick) if may_leave_noise(as_given, self.rules) else None
             return rival if self._is_explained(rival) else self._answered(base, check_channels(prepared.misread), tick)
         if (wrong := doubts_of_recordings(base, self.rules)) is not None:
             return self._answered(base, doubted(wrong), tick)
         if (outside := intermittent(base, self.rules)) is not None:
-            rival = self._searched(base, tick)
+            rival = self._searched(base, tick) if may_leave_noise(base, self.rules) else None
             joints = base.model.joints
             return rival if self._is_explained(rival) else self._answered(base, pushed(outside, joints), tick)
         return self._searched(base, tick, found)
 
-    def _is_explained(self, rival: Searched) -> bool:
+    def _is_explained(self, rival: Searched | None) -> TypeGuard[Searched]:
         """Whether a model that can be was found, and leaves about the noise."""
+        if rival is None or rival.answer is not None:
+            return False
         last = rival.found.state.last.fitted
-        if rival.answer is not None or np.any(times_noise(last) > self.rules.near_noise):
+        if np.any(times_noise(last) > self.rules.near_noise):
             return False
         return doubts_after(rival.base, last, self.rules) is None
 

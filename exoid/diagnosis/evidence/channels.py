@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from exoid.diagnosis.evidence.apart import moved_numbers
+from exoid.diagnosis.evidence.best_effects import may_leave_noise
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
@@ -122,7 +123,7 @@ def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding
         return ()
     wrong = doubts_of_recordings(fitted, rules)
     outside = None if wrong is not None else intermittent(fitted, rules)
-    if outside is not None:
+    if outside is not None and not may_leave_noise(fitted, rules):
         return (
             Finding(
                 OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), "all recordings", remedy=ADVICE

@@ -17,16 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
-from exoid.diagnosis.evidence.library import build_library
-from exoid.diagnosis.evidence.model_error import sensor_noise
-from exoid.diagnosis.evidence.ranking import weigh_all
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.splines import spline_columns
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import threshold
-from exoid.ground.ties import index_of_greatest, index_of_least, least_of
+from exoid.ground.ties import index_of_greatest, index_of_least
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
-from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.filtering import EDGE, PreparedRecording
 from exoid.optimisation.preparation.noise import torque_noise
 from exoid.symbolic.evaluation import carrying
@@ -116,30 +113,10 @@ class _View:
 
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
-    """Return what acts in part of the time of all recordings; None where nothing does, or a model may describe it: one
-    entry of the catalogue that leaves no more than noise acts in part of the time as well, as friction does that some
-    angles lack.
+    """Return what acts in part of the time of all recordings; None where nothing does, or little is left. An effect may
+    act in part of the time as well, as friction does that some angles lack: it is a rival.
     """
-    noise = np.maximum(sensor_noise(base.prepared), 1e-6)
-    if not np.any(base.evaluation_rms > rules.near_noise * noise):
-        return None
-    found = _intermittent(base, rules)
-    return None if found is None or _one_entry_leaves_noise(base, noise, rules) else found
-
-
-def _one_entry_leaves_noise(base: FittedModel, noise: Float, rules: Rules) -> bool:
-    """Whether the best entry of the catalogue, refitted, leaves about the `noise` (J,) N·m at every joint."""
-    evidence, library = base.evidence(seed=0, draws=0, rules=rules), build_library(base.model, base.prepared.all)
-    scores, _ = weigh_all(evidence, library, base, library.candidates)
-    helping = [score for score in scores if score.helps and not score.caution and not score.candidate.tangent]
-    if not helping:
-        return False
-    best = least_of(helping, lambda score: -score.share, 1.0)
-    term = best.candidate.term
-    model = base.model.with_effect(term.effect, term.joint)
-    start = np.concatenate([base.shape, np.median(best.shape, axis=0)]) if model.shapes else None
-    after = fitted_model(identify(model, base.prepared.train, optimisers=(), start=start), base.prepared)
-    return bool(np.all(after.evaluation_rms <= rules.near_noise * noise))
+    return _intermittent(base, rules) if np.any(times_noise(base) > rules.near_noise) else None
 
 
 def _intermittent(base: FittedModel, rules: Rules) -> Intermittent | None:
