@@ -202,7 +202,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         signal_rms=np.sqrt(mean_square([one.torque for one in shown], shown)),
         noise_floor=prepared.noise_floor,
         sse_verify_rms=None if unseen is None else unseen.sse,
-        where=where_it_sits(now, curves),
+        where=() if now.prepared.misread else where_it_sits(now, curves),
         per_recording=tuple(now.per_recording),
         cutoff=prepared.choice.reason,
         audit=(*prepared.findings, *doubts, *(() if length is None else (length.finding(),))),

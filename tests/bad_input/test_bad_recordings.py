@@ -54,9 +54,9 @@ CASES = {
         table(),
         {"units": {"q": "degs"}},
         "unit 'degs' of column 'q1'",
-        "--units q1=UNIT with one of rad,",
+        "--units q1=deg,q2=deg if it is so; known: rad,",
     ),
-    "unknown header unit": (table("t,q1 [furlong],q2,tau1,tau2"), {}, "unit 'furlong'", "--units q1=UNIT"),
+    "unknown header unit": (table("t,q1 [furlong],q2,tau1,tau2"), {}, "unit 'furlong'", "--units q1=rad if it is so"),
     "not numeric": (
         table(q1=["abc"] * 800),
         {},

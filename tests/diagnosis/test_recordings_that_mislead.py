@@ -50,6 +50,15 @@ def test_one_clock_is_no_finding(change):
     assert not checks(runs(change), CLOCKS)
 
 
+@pytest.mark.parametrize("part", [0.3, 0.5, 0.8])
+def test_a_load_taken_up_midway_is_no_clock(part):
+    def change(one):
+        late = one.t > one.t[0] + part * (one.t[-1] - one.t[0])
+        return replace(one, tau=one.tau + (6.0 * late * np.sin(one.q.sum(axis=1)))[:, None])
+
+    assert not checks(runs(change), CLOCKS)
+
+
 def filtered(hertz):
     """What a file holds whose angles were filtered at so many Hz."""
     return lambda one: replace(one, q=np.round(low_pass(one.q, hertz, one.rate), 8))

@@ -51,7 +51,6 @@ def test_a_base_that_leans_by_degrees_is_read_as_the_joints_are():
     [
         (changed(q1=LEG["q1"], q2=np.degrees(LEG["q2"])), {}),  # one in rad beside one in degrees
         (changed(q1=1000 * LEG["q1"], q2=1000 * LEG["q2"]), {}),  # mrad, or counts
-        (changed(q1=np.round(np.degrees(LEG["q1"])), q2=np.degrees(LEG["q2"])), {}),  # whole numbers: counts?
         (degrees(), {"units": {"q": "rad"}}),  # somebody said so
     ],
 )
@@ -59,6 +58,14 @@ def test_what_may_be_something_else_is_asked(columns, how):
     recording = read_recording(columns, **how)
     assert "looks like degrees" in said(recording)[0].what
     np.testing.assert_allclose(recording.q[:, 1], columns["q2"])
+
+
+def test_whole_numbers_may_be_counts_and_are_not_read_before_somebody_says():
+    columns = changed(q1=np.round(np.degrees(LEG["q1"])), q2=np.degrees(LEG["q2"]))
+    with pytest.raises(RecordingError, match="whole numbers") as error:
+        read_recording(columns)
+    assert "--units q1=deg" in error.value.remedy
+    assert read_recording(columns, units={"q": "deg"}).q.max() < 2.0
 
 
 def test_a_shaft_before_its_gear_may_turn_often():
@@ -114,7 +121,7 @@ def test_a_name_with_a_star_is_a_name_first():
         ("duty*vols", {}, "did you mean 'volts"),
         ("duty**volts", {}, "is not in the file"),
         ("*".join(["duty"] * 20), {}, "is not in the file"),
-        ("duty*volts", {}, "--units tau1=Nm*NUMBER"),
+        ("duty*volts", {}, "--units tau1=Nm*0.5 with what one"),
         ("duty*volts", {"tau1": "Nm/V*0.5"}, "write the factor for one %*V"),
         ("__import__('os')*volts", {}, "is not in the file"),
     ],

@@ -47,7 +47,7 @@ def test_the_shell_itself_accepts_it(shell, tmp_path):
         (("exoid", "add", "stri"), ["stribeck"]),
         (("exoid", "add", "stribeck", ":"), ["hip", "knee"]),
         (("exoid", "add", "stribeck", ":", "k"), ["knee"]),
-        (("exoid", "compare", "a.csv", "--ver"), ["--verify"]),
+        (("exoid", "compare", "a.csv", "--ver"), ["--verify", "--verbose"]),
         (("exoid", "simulate", "--effect", "backl"), ["backlash"]),
         (("exoid", "simulate", "--seed", ""), []),
         (("exoid", "completion", "z"), ["zsh"]),

@@ -292,6 +292,10 @@ class Lines:
                 self.layout, self.lost = None, str(error)
             return False
         wanted = self.wanted
+        formula = next((n for n in wanted if not chosen[n].column.factors and id(chosen[n].column) not in given), None)
+        if formula:
+            what = f"{formula} is a formula, and of a stream only columns and their products are read"
+            raise RecordingError(what, where=self.where, remedy="write what it comes to into the stream")
         parts = {n: [given[id(c)] for c in chosen[n].column.factors or (chosen[n].column,)] for n in wanted}
         places = tuple(
             (tuple(k if plain.delimiter else names[k] for k in at), chosen[n].factor) for n, at in parts.items()

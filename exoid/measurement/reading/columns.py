@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
+from exoid.measurement.reading.likely import likely_option
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
@@ -123,6 +124,7 @@ def assign_usable(
         _check_missing(chosen, table, where, joints, no_clock)
     out: dict[str, Assigned] = {}
     faults: dict[str, RecordingError] = {}
+    asked: list[RecordingError] = []
     for name in canonical_columns(joints):
         if name not in chosen:
             continue
@@ -130,9 +132,23 @@ def assign_usable(
             out[name] = _with_unit(name, chosen[name], units, hidden, where, joints)
         except RecordingError as error:
             if name not in spare or name in mapping or name in units:
-                raise
-            faults[name] = error
+                asked.append(error)
+            else:
+                faults[name] = error
+    if asked:
+        raise _together(asked)
     return out, faults
+
+
+def _together(errors: Sequence[RecordingError]) -> RecordingError:
+    """Return the first of several errors, its remedy with the options of those that are answered by --units too."""
+    first, *others = errors
+    found = [re.match(r"--units (\S+)", error.remedy) for error in errors]
+    if not others or found[0] is None:
+        return first
+    options = ",".join(match[1] for match in found if match)
+    what = "; ".join(error.what for error, match in zip(errors, found, strict=True) if match)
+    return RecordingError(what, where=first.where, remedy=f"--units {options}{first.remedy[found[0].end() :]}")
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
@@ -308,19 +324,22 @@ def _check_missing(
             f"--units {','.join(f'{name}=Nm/A*0.1*50' for name in torques)} with your numbers",
         )
     idle = [joints[int(name.removeprefix("tau")) - 1].name for name in torques]
-    drive = f"; --passive {idle[0]} where that joint has no drive" if torques == missing and len(idle) == 1 else ""
     used = {id(column) for column in chosen.values()}
-    free = [column.name for column in table.columns if id(column) not in used]
-    close = nearest(missing[0], free, 1, cutoff=0.5)
-    example = f"{missing[0]}={close[0] if close else 'COLUMN'}"
+    names = numbered(table.names)
+    free = [replace(c, name=n) for c, n in zip(table.columns, names, strict=True) if id(c) not in used]
+    option, all_found = likely_option(missing, free, chosen["t"].values if "t" in chosen else None, joints)
+    alone = torques == missing and len(idle) == 1 and "--passive" not in option
+    drive = f"; --passive {idle[0]} where that joint has no drive" if alone else ""
     absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
-    what = f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})"
+    seen_there = f"columns found: {listed(table.names)}"
+    seen_there += f"; no columns of numbers: {listed(table.others, 8)}" if table.others else ""
+    what = f"no column for {', '.join(missing)} was found ({seen_there})"
     if missing == ["t"]:
-        what = f"no time column was found (columns found: {listed(table.names)})"
+        what = f"no time column was found ({seen_there})"
         raise RecordingError(what, where=where, remedy=f"{no_clock}; or --map t=COLUMN")
-    remedy = f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive
+    remedy = (f"did you mean {option}?" if all_found else f"say which column it is: {option}") + drive
     raise error(what, where=where, remedy=remedy)
 
 
@@ -360,25 +379,28 @@ def _with_unit(
         of_all = ""  # --units q=deg is not meant for the joint that slides
     told = units.get(name) or units.get(column.name) or of_all
     si = SI_UNIT[quantity]
-    written = column.unit or hidden.get(id(column), "")
+    written = column.unit or hidden.get(id(column), "") or _hidden(column.name, name, tuple(joints))
     unit = told or written
     if unit in DIMENSIONLESS:
         return Assigned(name, column, si, 1.0, False)
     scale = factor(quantity, unit, written)
+    plain = si.replace("·", "")
     if scale is None and (is_scaled(quantity, unit) or (written == unit and "*" in unit)):
+        number, meaning = _further(unit)
         raise RecordingError(
             f"column {column.name!r} ({name}) is in {unit}, which becomes {si} only with a further number",
             where=where,
-            remedy=f"--units {name}={unit}*NUMBER: {_further(unit)}"
+            remedy=f"--units {name}={unit}*{number} with your numbers: {meaning}"
             if "*" not in unit
-            else f"--units {name}={si.replace('·', '')}*NUMBER, with what one {unit} is",
+            else f"--units {name}={plain}*0.5 with what one {unit} is",
         )
     if scale is None and is_product(unit) and written and factor(quantity, unit) is not None:
         what = f"{name}={unit} does not fit column {column.name!r}, which the file says is in {written}"
         raise RecordingError(what, where=where, remedy=f"write the factor for one {written}")
     if scale is None:
         what = f"unit {unit!r} of column {column.name!r} ({name}) is not known"
-        remedy = f"--units {name}=UNIT with one of {', '.join(QUANTITIES[quantity])}"
+        close = nearest(unit, QUANTITIES[quantity], 1, cutoff=0.6)
+        remedy = f"--units {name}={close[0] if close else plain} if it is so; known: {', '.join(QUANTITIES[quantity])}"
         raise RecordingError(what, where=where, remedy=remedy)
     if quantity == "t" and scale < 0.0:
         what = f"time counts backwards in {unit!r}: every velocity would change its sign"
@@ -387,9 +409,17 @@ def _with_unit(
     return Assigned(name, column, unit, scale, True)
 
 
-def _further(unit: str) -> str:
-    """Return what the number is that turns `unit` into SI."""
+def _hidden(text: str, name: str, joints: tuple[Joint, ...]) -> str:
+    """Return the unit at the end of the name of a column that was mapped by hand to what it says: "timestamp_ms"."""
+    found = recognise(text, joints)
+    return found.unit if found and found.name == name else ""
+
+
+def _further(unit: str) -> tuple[str, str]:
+    """Return an example of the number that turns `unit` into SI, and what it is."""
     below = unit.rpartition("/")[2].strip().lower()
     if below in ("a", "ma"):
-        return "torque constant times gear ratio"
-    return "the body mass in kg" if below == "kg" else "the rated torque at the joint" if below in "%‰" else "the gain"
+        return "0.1*50", "torque constant times gear ratio"
+    if below == "kg":
+        return "75", "the body mass in kg"
+    return ("45", "the rated torque at the joint") if below in "%‰" else ("0.5", "the gain")

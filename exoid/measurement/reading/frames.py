@@ -5,13 +5,13 @@ None of these libraries is needed for it: an object is known by what it can do, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from exoid.ground.errors import RecordingError
-from exoid.measurement.reading.raw import RawTable, named_column, table_from_arrays
+from exoid.measurement.reading.raw import RawColumn, RawTable, named_column, of_lists, split_unit, table_from_arrays
 
 FRAMES = ("pandas.DataFrame", "polars.DataFrame", "polars.LazyFrame", "pyarrow.Table")
 
@@ -136,6 +136,20 @@ def _from_xarray(source: Any) -> RawTable:
 
 
 def _table(columns: list[tuple[str, Any, str]]) -> RawTable:
-    found = [named_column(*one) for one in columns]
+    found = [one for name, cells, unit in columns for one in _columns(name, cells, unit)]
     rows = found[0].values.shape[0] if found else 0
     return RawTable(tuple(found), np.arange(1, rows + 1))
+
+
+def _columns(name: str, cells: Any, unit: str) -> Iterator[RawColumn]:
+    """Yield the column of some cells, or, where each is a list of as many numbers, one for each of its elements."""
+    some = cells if isinstance(cells, np.ndarray) else list(cells)
+    if len(some) and isinstance(some[0], (list, tuple, np.ndarray)):
+        try:
+            table = np.array(list(some), dtype=float)
+        except (TypeError, ValueError):
+            table = np.empty(0)  # lists of different lengths, or of no numbers
+        if table.ndim == 2:
+            yield from of_lists(*split_unit(name), table.T)
+            return
+    yield named_column(name, cells, unit)

@@ -19,6 +19,7 @@ from exoid.measurement.reading.lag import Lag, lag_between
 from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.names import kind_of
 from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.registers import in_si
 from exoid.measurement.reading.resample import onto
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.motion import Float
@@ -96,7 +97,8 @@ def _piece(table: RawTable, where: str, told: StatedMapping, joints: tuple[Joint
         lacks = "no time" if "t" not in found else "neither angles nor torques"
         what = f"{lacks} was found in the file"
         raise RecordingError(what, where=where, remedy="say which column it is: --map t=COLUMN, q1=COLUMN, ...")
-    columns = {name: item.column.values * item.factor for name, item in found.items()}
+    columns, mended, _ = in_si(found, where, joints)
+    table = replace(table, notes=(*table.notes, *(Finding("registers", "repaired", what, where) for what in mended)))
     t = columns.pop("t")
     epoch = None if found["t"].told else clock.epoch_unit(t)
     if epoch:

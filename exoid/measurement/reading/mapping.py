@@ -1,5 +1,5 @@
-"""What a user says of columns: one by its name, or the product of several ("duty*volts"). It is kept as `exoid.toml`
-beside the recordings, and used for every file with the same columns.
+"""What a user says of columns: one by its name, or a formula of several ("duty*volts", "12*(target-actual)"). It is
+kept as `exoid.toml` beside the recordings, and used for every file with the same columns.
 
     [[recordings]]
     header = ["Zeit", "A1", "A2", "M1", "M2"]
@@ -20,14 +20,17 @@ from typing import Any
 
 import numpy as np
 
-from exoid.ground.errors import RecordingError, refused
+from exoid.ground.errors import ExpressionError, RecordingError, refused
 from exoid.ground.files import write_whole
 from exoid.ground.inside import refuse_links
 from exoid.ground.suggest import nearest
 from exoid.ground.toml_reader import Table, read_toml
 from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.units import MOST_FACTORS
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.language.tree import Binary, Name, Node, Number, Unary
 from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.motion import Float
 
 FILE = "exoid.toml"
 DIMENSIONLESS = ("", "-", "1")
@@ -141,9 +144,14 @@ def mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str,
     """Return {canonical name: column} of what a user maps by hand; RecordingError for what is not in the table."""
     chosen: dict[str, RawColumn] = {}
     for name, wanted in mapping.items():
-        called = factors_of(wanted, numbered(table.names))
-        factors = tuple(_called(table, one, name, where) for one in called)
-        found = factors[0] if len(factors) == 1 else _product(wanted, factors)
+        names = numbered(table.names)
+        called = factors_of(wanted, names)
+        if is_formula(wanted, names):
+            of = dict(zip(called, (_called(table, one, name, where) for one in called), strict=True))
+            found = _formula(wanted, of, f"{where}, --map {name}")
+        else:
+            factors = tuple(_called(table, one, name, where) for one in called)
+            found = factors[0] if len(factors) == 1 else _product(wanted, factors)
         double = [other for other, column in chosen.items() if column is found]
         if double:
             what = f"column {wanted!r} is mapped to both {double[0]} and {name}"
@@ -152,8 +160,90 @@ def mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str,
     return chosen
 
 
+def is_formula(text: str, names: Collection[str]) -> bool:
+    """Whether `text` in a mapping is more than one of the `names` or a product of them: "12*(target-actual)".
+
+    Only one whose every column is there counts: hyphens and brackets stand in names too.
+    """
+    if text in names or not re.search(r"[-+/()]|\d", text):
+        return False
+    placed, found = _with_places(text, names)
+    return bool(found) and not _are_names(text, names) and bool(FORMULA.fullmatch(placed))
+
+
+FORMULA = re.compile(r"(?:c\d+\b|[\d.]+(?:[eE][+-]?\d+)?\b\.?|[-+*/() ])+", re.ASCII)
+"""What is left of a formula when each column has been given a place: c0, c1, ..., numbers and signs."""
+
+
+def _are_names(text: str, names: Collection[str]) -> bool:
+    return all(part.strip() in names for part in re.split(r"[*·×]", text))
+
+
+def _with_places(text: str, names: Collection[str]) -> tuple[str, list[str]]:
+    """Return `text` with c0, c1, ... for the columns that it names, and these."""
+    found: list[str] = []
+
+    def placed(match: re.Match[str]) -> str:
+        if match[0] not in found:
+            found.append(match[0])
+        return f"c{found.index(match[0])}"
+
+    longest = sorted((name for name in names if re.search(r"[^\W\d]", name)), key=len, reverse=True)
+    pattern = "|".join(rf"(?<!\w){re.escape(name)}(?!\w)" for name in longest)
+    text = text.replace("·", "*").replace("×", "*")
+    return (re.sub(pattern, placed, text), found) if pattern else (text, found)
+
+
+def _formula(text: str, columns: Mapping[str, RawColumn], where: str) -> RawColumn:
+    """Return what a formula of columns comes to; what is no number in one of them is none in it.
+
+    Its unit is that of its columns, or text that no quantity has as a unit ("deg+rad"), so that it is asked for.
+    RecordingError for what is no sum or product.
+    """
+    placed, _ = _with_places(text, columns)
+    places = {f"c{k}": column for k, column in enumerate(columns.values())}
+    try:
+        with np.errstate(all="ignore"):
+            values, unit = _value(parse(placed, places), places)
+    except ExpressionError as error:
+        remedy = f"sums, differences, products and numbers, as 12*(target-actual), are read; {error.what}"
+        raise RecordingError(f"{text!r} is no formula of columns", where=where, remedy=remedy) from error
+    return RawColumn(text, np.where(np.isfinite(values), values, np.nan), unit)
+
+
+def _value(node: Node, columns: Mapping[str, RawColumn]) -> tuple[Float, str]:
+    """Return what a formula comes to, and its unit, "" where it has none."""
+    if isinstance(node, Number):
+        return np.array(node.value), ""
+    if isinstance(node, Name) and node.name in columns:
+        column = columns[node.name]
+        return column.values, "" if column.unit in DIMENSIONLESS else column.unit
+    if isinstance(node, Unary):
+        value, unit = _value(node.operand, columns)
+        return -value, unit
+    if isinstance(node, Binary) and node.operator in SIGNS:
+        (left, one), (right, other) = _value(node.left, columns), _value(node.right, columns)
+        value = np.asarray(SIGNS[node.operator](left, right), dtype=float)
+        if node.operator == "/":
+            return value, f"{one or 1}/{other}" if other else one
+        units = [each for each in (one, other) if each]
+        return value, "*".join(units) if node.operator == "*" else "+".join(dict.fromkeys(units))
+    raise ExpressionError("nothing else is")
+
+
+SIGNS: Mapping[str, Any] = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
+
+
 def factors_of(text: str, names: Collection[str]) -> list[str]:
-    """Return the columns that `text` names in a mapping: one of the `names`, or the factors of "duty*volts"."""
+    """Return the columns that `text` names in a mapping: one of the `names`, the factors of "duty*volts", or those of a
+    formula.
+    """
+    placed, found = _with_places(text, names)
+    if is_formula(text, names):
+        return found
+    wrong = [word.strip() for word in re.findall(r"[^\W\d][\w ]*", placed) if not re.fullmatch(r"c\d+ *", word)]
+    if text not in names and found and wrong and re.search(r"[*/()]", text):
+        return [*found, *wrong]  # a formula with a column that is not there
     parts = [part.strip() for part in re.split(r"[*·×]", text)]
     return [text] if text in names or len(parts) > MOST_FACTORS or not all(parts) else parts
 

@@ -63,7 +63,8 @@ FILLERS = frozenset(
         "joint", "joints", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder", "data",
         "value", "values", "signal", "output", "link", "leg", "exo", "exoskeleton", "robot", "drive", "axis",
         "actuator", "applied", "filtered", "filt", "estimate", "estimated", "est", "state", "states", "feedback", "fbk",
-        "node", "jnt", "channel", "sagittal", "raw", "pitch", "de", "la", "le", "du", "del", "der", "am", "moteur",
+        "node", "jnt", "channel", "sagittal", "raw", "pitch", "present", "de",
+        "la", "le", "du", "del", "der", "am", "moteur",
         "gemessen", "ist", "istwert", "mesure", "mesuree", "reel", "reelle", "medido", "medida", "real", "articulacion",
         "articulation", "gelenk",
     }
@@ -323,6 +324,12 @@ def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning 
     if quantity in ("", "t") or len(found) != 1 or len(sides) > 1:
         return None
     return _reading(quantity, min(found), rank, sides, last, joints)._replace(unit=unit)
+
+
+def joints_of(name: str, joints: tuple[Joint, ...]) -> frozenset[int]:
+    """Return which joints a name names, counted from 1, whatever else it says."""
+    words = re.split(r"[\W_]+", _spaced(name).lower())
+    return frozenset(_joint(word, joints) for word in words) - {0}
 
 
 def _sorted_out(parts: Sequence[str], joints: tuple[Joint, ...]) -> _Part:

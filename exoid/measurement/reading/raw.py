@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
@@ -37,16 +37,19 @@ class RawColumn:
     """Where several columns could be the same quantity, the one of smaller rank is taken."""
     factors: tuple[RawColumn, ...] = ()
     """The columns of the file of which this one is the product, where it is one."""
+    labels: Sequence[str] = ()
+    """Every cell, where they are the names of what stands in the rows."""
 
 
 @dataclass(frozen=True, eq=False)
 class RawTable:
     """The columns of one file; `row` (N,) is where each sample stands in it, `notes` what the reader had to
-    decide."""
+    decide, `others` what the file holds that is no column of numbers."""
 
     columns: tuple[RawColumn, ...]
     row: NDArray[np.int64]
     notes: tuple[Finding, ...] = ()
+    others: tuple[str, ...] = ()
 
     @property
     def names(self) -> list[str]:
@@ -80,9 +83,17 @@ def column_from_cells(name: str, cells: Any, unit: str = "") -> RawColumn:
         return RawColumn(name, stamps, "s")
     values = np.array([_number(text) for text in texts], dtype=float)
     wrong = [i for i in np.flatnonzero(np.isnan(values)).tolist() if texts[i].lower() not in MISSING]
-    return RawColumn(name, values, unit, {i: texts[i][:40] for i in wrong[:20]}, len(wrong))
+    labels = tuple(texts) if len(wrong) == len(texts) and name.strip().lower() in KEYS else ()
+    return RawColumn(name, values, unit, {i: texts[i][:40] for i in wrong[:20]}, len(wrong), labels=labels)
 
 
+KEYS = frozenset(
+    {
+        "key", "keys", "name", "signal", "channel", "topic", "variable", "field", "_field", "entry", "metric", "tag",
+        "series",
+    }
+)  # fmt: skip
+"""What heads the column that says, in a table with one value a row, of what the value is."""
 NUMERIC = (int, float, np.integer, np.floating)
 MISSING = frozenset(
     ("", "nan", "-nan", "na", "<na>", "n/a", "#n/a", "#na", "null", "none", "nat", "1.#ind", "-1.#ind", "1.#qnan")
@@ -157,7 +168,7 @@ def table_from_arrays(
     if skipped:
         text = f"{len(skipped)} entries are not columns of {count} samples: {', '.join(skipped[:8])}"
         notes = (*notes, Finding("format", "info", text, where))
-    return RawTable(tuple(columns), np.arange(1, count + 1), notes)
+    return RawTable(tuple(columns), np.arange(1, count + 1), notes, tuple(skipped))
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -186,6 +197,11 @@ def named_column(name: str, cells: Any, unit: str) -> RawColumn:
 
 INDEX = re.compile(r".*[^\W\d][\[(]\d{1,2}[\])]")
 UNIT_IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]\s*$")
+
+
+def of_lists(name: str, unit: str, elements: Iterable[Any]) -> Iterator[RawColumn]:
+    """Yield the columns of one whose cells are lists of equal length, given element by element: state_0, state_1."""
+    return (column_from_cells(f"{name}_{k}", cells, unit) for k, cells in enumerate(elements))
 
 
 def _split(name: str, array: Any, count: int) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.reading.frames import is_table, table_from
 from exoid.measurement.reading.join import joined_pieces
 from exoid.measurement.reading.large import in_stretches
+from exoid.measurement.reading.long_table import widened
 from exoid.measurement.reading.made_times import join_split
 from exoid.measurement.reading.mapping import FILE, StatedMapping, remembered
 from exoid.measurement.reading.raw import RawTable
@@ -205,7 +206,7 @@ def _in_pieces(
 
         def finish(table: RawTable) -> Recording:
             nonlocal kept
-            table = join_split(table)
+            table = join_split(widened(table))
             if kept is None:
                 found = remembered(home, table.names)
                 kept = told.over(found) if found else told
@@ -253,11 +254,11 @@ def _loaded(
     """Return the table of `source`, where it came from, its name, and all that is said of its columns."""
     if not isinstance(source, (str, Path)):
         count = None if machine is None else len(machine)
-        return join_split(table_from(source, name or "table", count)), Source(), name or "table", told
+        return join_split(widened(table_from(source, name or "table", count))), Source(), name or "table", told
     path = Path(source)
     with opened(path) as real:
         origin = Source(str(path), digest(real))
-        table = join_split(read_table(real, str(path)))
+        table = join_split(widened(read_table(real, str(path))))
     home = folder_of(path)
     kept = remembered(home, table.names)
     if kept:
@@ -282,7 +283,7 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
 def open_table(path: str | Path) -> RawTable:
     """Return the columns of a file as they stand in it; RecordingError where it cannot be read."""
     with opened(Path(path)) as real:
-        return join_split(read_table(real, str(path)))
+        return join_split(widened(read_table(real, str(path))))
 
 
 def refuse(findings: tuple[Finding, ...]) -> None:

@@ -22,6 +22,7 @@ from exoid.measurement.reading.limits import credible
 from exoid.measurement.reading.names import kind_of, recognise
 from exoid.measurement.reading.outside import CONTACT, force_columns
 from exoid.measurement.reading.raw import RawTable
+from exoid.measurement.reading.registers import in_si
 from exoid.measurement.reading.units import is_product
 from exoid.measurement.recording import Recording, Source, base_columns
 from exoid.symbolic.joints import LEG, Joint
@@ -95,12 +96,16 @@ def _start(
     faults: Mapping[str, RecordingError],
 ) -> Draft:
     """Convert units, leave out what not every joint has, say what was taken for what."""
-    columns = {name: item.column.values * item.factor for name, item in assigned.items()}
+    columns, mended, left = in_si(assigned, source.path or name, joints)
     told = frozenset(name for name, item in assigned.items() if item.told)
     valid, file = np.ones(table.row.shape[0], dtype=bool), source.path or name
     draft = Draft(columns, valid, table.row, told, file, table.notes, joints)
     for error in faults.values():
         draft = draft.noted("columns", "warning", f"left out, and not needed: {error.what} ({error.remedy})")
+    for what in mended:
+        draft = draft.noted("registers", "repaired", what, remedy="nothing")
+    for what in left:
+        draft = draft.noted("columns", "info", what)
     epoch = None if "t" in told or "t" not in columns else clock.epoch_unit(columns["t"])
     if epoch:
         first = columns["t"][np.flatnonzero(np.isfinite(columns["t"]))[0]]
@@ -343,7 +348,7 @@ def _clock_unit(draft: Draft) -> Draft:
     step = float(np.median(np.diff(t)))
     if unit == "index":
         what = "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?"
-        remedy = "say what one count is: --units t=ms, or --rate 100 for a row every 10 ms"
+        remedy = "say how often it was sampled: --rate 100 for a row every 10 ms, or what one count is: --units t=ms"
         return draft.noted("time", "refused", what, "column t", value=step, limit=0.5, remedy=remedy)
     if unit == "s":
         return draft

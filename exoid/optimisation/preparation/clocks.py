@@ -1,8 +1,8 @@
 """Do the clocks of angles and torques run at one rate? Judged by physics, without knowing the machine's numbers.
 
 A torque that was logged by another clock comes later and later, or earlier and earlier: what the rigid machine leaves
-of it then holds the torque's own derivative, times the time. No effect of a machine does that, also one that changes
-as it warms up: drifting friction of both kinds and a drifting zero are taken out beside it.
+of it then holds the torque's own derivative, times the time. A machine that changes meanwhile (it warms up, its sensor
+drifts, it takes up a load midway) leaves something like it: what drifting numbers and zeros explain is taken out first.
 """
 
 from __future__ import annotations
@@ -169,15 +169,11 @@ def _left(square: float, gram: Float, product: Float) -> float:
 
 
 def _own_columns(base: Model, one: PreparedRecording) -> Float:
-    """Return what the rigid machine makes of a torque, and of each joint a zero and friction that drift, (J, K, P)."""
-    motion = one.motion
-    joints, samples = motion.q.shape[1], len(motion.t)
-    middle = motion.t - 0.5 * (motion.t[0] + motion.t[-1])
-    drifting = np.zeros((joints, samples, joints, 5))
-    for j in range(joints):
-        zero = (np.ones(samples), middle, middle**2)
-        drifting[j, :, j] = np.column_stack([*zero, middle * motion.dq[:, j], middle * motion.sign[:, j]])
-    return one.smooth_columns(np.concatenate([base.columns(motion), drifting.reshape(joints, samples, -1)], axis=2))
+    """Return the rigid machine's columns and each joint's zero, (J, K, P), all of them also drifting with the time."""
+    t, columns = one.motion.t, base.columns(one.motion)
+    zeros = np.broadcast_to(np.eye(columns.shape[0])[:, None], (columns.shape[0], len(t), columns.shape[0]))
+    columns, drift = np.concatenate([columns, zeros], axis=2), np.linspace(-1.0, 1.0, len(t))[:, None]
+    return one.smooth_columns(np.concatenate([columns, drift * columns, drift**2 * columns], axis=2))
 
 
 def _late_columns(one: PreparedRecording, torque: Float) -> Float:

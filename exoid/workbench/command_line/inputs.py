@@ -16,8 +16,8 @@ from exoid.measurement.signals.methods import BUTTERWORTH
 from exoid.symbolic.quantity import JOINTS
 from exoid.workbench.command_line.options import merged
 from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.command_line.said import say_findings
 from exoid.workbench.terminal.progress import progress
-from exoid.workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
     from exoid.measurement.reading.among import FoundFiles
@@ -61,7 +61,7 @@ def load_model(path: str | None) -> Model:
 def load(args: argparse.Namespace) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload, --wearer."""
     from exoid.measurement.forces import pushed_model
-    from exoid.measurement.reading.among import LEFT_OUT, read_among
+    from exoid.measurement.reading.among import read_among
 
     model = load_model(getattr(args, "model", None))
     model = worn(model, getattr(args, "wearer", None))
@@ -75,9 +75,7 @@ def load(args: argparse.Namespace) -> Inputs:
         read_among(files, lambda path: read(path, told[path], joints=joints, quiet=args.quiet)) if files.paths else ()
         for files in groups
     )
-    for group in (recordings, verify):
-        for line in (finding.what for one in group[:1] for finding in one.findings if finding.check == LEFT_OUT):
-            warn(line)
+    say_findings((*recordings, *verify), args)
     model = pushed_model(model, (*recordings, *verify))
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
 
@@ -122,21 +120,13 @@ def told_recordings(
 def read(
     path: str, told: StatedMapping | None = None, *, joints: Sequence[Joint] | None = None, quiet: bool = False
 ) -> tuple[Recording, ...]:
-    """Read one file, which holds a recording or one of each leg; say on stderr what its audit warns of or has repaired.
-
-    A mapping that was remembered is said too, every time.
-    """
+    """Read one file, which holds a recording or one of each leg."""
     from exoid.measurement.reading.mapping import StatedMapping
     from exoid.measurement.reading.read import read_as_told
 
     # Only a file that takes more than a glance is worth a bar.
     with progress(f"reading {Path(path).name}", quiet=quiet) as report:
-        recordings = read_as_told(path, StatedMapping() if told is None else told, joints, report)
-    for recording in recordings:
-        for finding in recording.findings:
-            if finding.severity != "info" or finding.check == "mapping":
-                warn(str(finding))
-    return recordings
+        return read_as_told(path, StatedMapping() if told is None else told, joints, report)
 
 
 def joins_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[tuple[str, float | None]]]:

@@ -151,6 +151,9 @@ def add_reading(
     seldom.add_argument(
         "--cutoff", metavar="HZ", type=positive_number, help="cut-off of the common filter (chosen from the recordings)"
     )
+    seldom.add_argument(
+        "--verbose", action="store_true", help="say each warning and each repair of each file, and where it is"
+    )
 
 
 def add_derivative(parser: argparse.ArgumentParser) -> None:

@@ -44,11 +44,13 @@ def run(args: argparse.Namespace) -> int:
     from exoid.workbench.command_line.asking import answer, material_of
     from exoid.workbench.command_line.deliver import deliver_results
     from exoid.workbench.command_line.inputs import Inputs, load_model, read
+    from exoid.workbench.command_line.said import say_findings
     from exoid.workbench.report.material import Material, pictures_of
     from exoid.workbench.terminal.showing import show_comparison, show_diagnosis, show_steps, truth_sentence
 
     recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]
     verify = [one for path in sorted(DATA.glob("verify*.csv")) for one in read(str(path))]
+    say_findings([*recordings, *verify], args)
     given = Inputs(load_model(None), tuple(recordings), tuple(verify))
     found, comparison = answer(args, discover, given)
     show_comparison(screen, comparison)

@@ -83,7 +83,8 @@ def show_comparison(screen: Screen, found: Any) -> None:
         screen.say(NOTHING_HELD_OUT, "warn")
     show_findings(screen, found.audit, found.misread, "bad")
     if not found.where:
-        screen.say("The error depends on nothing that was looked at.")
+        if not found.misread:  # of channels that are in doubt nobody asks what their error depends on
+            screen.say("The error depends on nothing that was looked at.")
         return
     places = [
         (w.joint, w.variable, percent(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution)

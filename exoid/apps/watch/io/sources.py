@@ -36,6 +36,7 @@ def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[F
     from exoid.measurement.reading.mapping import StatedMapping
     from exoid.workbench.command_line.inputs import read
     from exoid.workbench.command_line.options import merged
+    from exoid.workbench.command_line.said import say_findings
 
     told = StatedMapping(merged(args.map, "--map"), merged(args.units, "--units"))
     model = watcher.model
@@ -62,7 +63,9 @@ def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[F
         check_text(args.source)
         yield from _lines(lines(args.source), watcher, grown(args.source, True if args.follow else None))
         return
-    for one in read(args.source, told, joints=model.joints, quiet=args.quiet):
+    found = read(args.source, told, joints=model.joints, quiet=args.quiet)
+    say_findings(found, args)
+    for one in found:
         rows, names = stream_of(watcher.model, one)
         watcher.measures(names)
         for first in range(0, len(rows), 1000):

@@ -11,12 +11,14 @@ import numpy as np
 from exoid.ground.errors import RecordingError
 from exoid.ground.extras import needing
 from exoid.measurement.reading.limits import TEXT, Budget, damaged
-from exoid.measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit
+from exoid.measurement.reading.raw import RawColumn, RawTable, column_from_cells, of_lists, split_unit
 
 SUFFIXES = (".parquet", ".pq")
 SIGNATURES = (b"PAR1",)
 MOST_GROUP = 500_000_000
 """Bytes of a row group, which is unpacked as a whole."""
+MOST_ELEMENTS = 64
+"""Of a list, beyond which it is no row of joints but a picture or a spectrum."""
 LONGEST_TEXTS = 10_000_000
 """Bytes of a group of rows of texts, beyond which a single cell of it could be too long."""
 
@@ -33,9 +35,12 @@ def read(path: Path) -> RawTable:
         chosen = _affordable(file, str(path))
         table = file.read(columns=chosen)
         columns = _columns(table)
+        there = {column.name for column in columns}
+        names = [field.name for field in file.schema_arrow if not _is_plain(field.type)]
+        others = tuple(name for name in names if f"{split_unit(name)[0]}_0" not in there)
     if not columns or not table.num_rows:
         raise RecordingError("the table has no rows", where=str(path), remedy="record again")
-    return RawTable(columns, np.arange(1, table.num_rows + 1))
+    return RawTable(columns, np.arange(1, table.num_rows + 1), others=others)
 
 
 def is_large(path: Path, most: int) -> bool:
@@ -57,7 +62,7 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
 
     causes = (pyarrow.ArrowException, OSError, KeyError, TypeError)
     with damaged("Parquet file", path, causes), pyarrow.parquet.ParquetFile(path) as file:
-        fields = [one for one in file.schema_arrow if pyarrow.types.is_primitive(one.type)]
+        fields = [one for one in file.schema_arrow if pyarrow.types.is_primitive(one.type) or _is_list(one.type)]
         groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
         if max((group.total_byte_size for group in groups), default=0) > MOST_GROUP or len(fields) > 1000:
             what = "a row group of the file is too large"
@@ -77,18 +82,43 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
 
 
 def _columns(table: Any) -> tuple[RawColumn, ...]:
-    """Return the columns of an Arrow table that are not nested, with the units that the file gives them."""
+    """Return the columns of an Arrow table, with the units that the file gives them; of one with lists of equal length,
+    as data sets of robots have them, a column for each element. What is nested otherwise is none.
+    """
+    columns: list[RawColumn] = []
+    for i, field in enumerate(table.schema):
+        name, unit = split_unit(field.name)
+        name, unit = "time" if _is_index_of_time(field) else name, _unit(field.metadata) or unit
+        if _is_list(field.type):
+            columns += of_lists(name, unit, _elements(table.column(i)))
+        elif _is_plain(field.type):
+            columns.append(column_from_cells(name, _cells(table.column(i)), unit))
+    return tuple(columns)
+
+
+def _is_plain(kind: Any) -> bool:
     import pyarrow
 
-    return tuple(
-        column_from_cells(
-            "time" if _is_index_of_time(field) else split_unit(field.name)[0],
-            _cells(table.column(i)),
-            _unit(field.metadata) or split_unit(field.name)[1],
-        )
-        for i, field in enumerate(table.schema)
-        if not pyarrow.types.is_nested(field.type)
-    )
+    return not pyarrow.types.is_nested(kind)
+
+
+def _is_list(kind: Any) -> bool:
+    """Whether cells of this type are lists of numbers."""
+    import pyarrow
+
+    types = pyarrow.types
+    listed = types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)
+    return bool(listed and (types.is_integer(kind.value_type) or types.is_floating(kind.value_type)))
+
+
+def _elements(column: Any) -> list[Any]:
+    """Return the cells of each element of a column of lists, none where their lengths differ or are too many."""
+    import pyarrow.compute as compute
+
+    lengths = compute.unique(compute.drop_null(compute.list_value_length(column))).to_pylist()
+    if len(lengths) != 1 or not 0 < lengths[0] <= MOST_ELEMENTS:
+        return []
+    return [_cells(compute.list_element(column, k)) for k in range(lengths[0])]
 
 
 def _cells(column: Any) -> Any:
@@ -121,7 +151,8 @@ def _affordable(file: Any, where: str) -> list[str]:
 
     types, budget, rows = pyarrow.types, Budget(where), file.metadata.num_rows
     budget.count(file.metadata.num_columns)
-    fields = [field for field in file.schema_arrow if not types.is_nested(field.type)]
+    fields = [field for field in file.schema_arrow if _is_plain(field.type)]
+    lists = [field.name for field in file.schema_arrow if _is_list(field.type)]
     for field in fields:
         simple = types.is_primitive(field.type) or types.is_null(field.type)
         budget.take(rows * (8 if simple else TEXT), f"column {field.name[:60]}")
@@ -130,11 +161,13 @@ def _affordable(file: Any, where: str) -> list[str]:
         texts = {field.name for field in fields if not types.is_primitive(field.type)}
         for k in range(columns.num_columns):
             column = columns.column(k)
+            if any(column.path_in_schema.startswith(f"{name}.") for name in lists):
+                budget.take(8 * column.num_values, f"column {column.path_in_schema[:60]}")
             budget.take(column.total_uncompressed_size, f"column {column.path_in_schema[:60]}")
             if column.path_in_schema in texts and column.total_uncompressed_size > LONGEST_TEXTS:
                 # Its longest cell may be as long as all of this, and stand in every row.
                 budget.take(column.total_uncompressed_size * columns.num_rows, f"column {column.path_in_schema[:60]}")
-    return [field.name for field in fields]
+    return [*(field.name for field in fields), *lists]
 
 
 def _is_index_of_time(field: Any) -> bool:
