@@ -18,6 +18,8 @@ import warnings
 from functools import lru_cache
 from pathlib import Path
 
+from platformdirs import user_cache_path
+
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 
@@ -33,7 +35,7 @@ def cache_folder() -> Path:
     private one.
     """
     wanted = os.environ.get("EXOID_CACHE")
-    candidate = Path(wanted).expanduser() if wanted else _usual_cache()
+    candidate = Path(wanted).expanduser() if wanted else user_cache_path("exoid", appauthor=False)
     try:
         why = _distrusted(candidate)
     except (OSError, ValueError, RuntimeError):  # a loop of links is a RuntimeError before Python 3.13
@@ -41,17 +43,6 @@ def cache_folder() -> Path:
     if why:
         _say_once(f"the cache {candidate} is not used: {why}; models are compiled anew by every command")
     return _private_folder() if why else candidate
-
-
-def _usual_cache() -> Path:
-    """Return where this system keeps what can be computed again, for exoid."""
-    home = Path(os.path.expanduser("~"))
-    if sys.platform == "win32":
-        local = os.environ.get("LOCALAPPDATA", "").strip()
-        return (Path(local) if local else home / "AppData" / "Local") / "exoid" / "Cache"
-    chosen = os.environ.get("XDG_CACHE_HOME", "").strip()
-    usual = home / ("Library/Caches" if sys.platform == "darwin" else ".cache")
-    return (Path(chosen) if chosen else usual) / "exoid"
 
 
 def read_trusted(path: Path, most: int) -> bytes:

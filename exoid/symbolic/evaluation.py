@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -90,27 +89,9 @@ def vector(values: Float | None, default: Float, what: str) -> Float:
     return given
 
 
-_WORDS: WeakKeyDictionary[Motion, tuple[dict[str, Float | float], dict[str, Float]]] = WeakKeyDictionary()
-"""The words for motions that are still in use, and the signs of their velocities."""
-
-
-def _words(motion: Motion) -> tuple[dict[str, Float | float], dict[str, Float]]:
-    if motion not in _WORDS:
-        words: dict[str, Float | float] = {"t": motion.t}
-        for stem, signals in (("theta", motion.q), ("dtheta", motion.dq), ("ddtheta", motion.ddq)):
-            words |= {f"{stem}{j + 1}": row for j, row in enumerate(np.ascontiguousarray(signals.T))}
-        _WORDS[motion] = words, {f"dtheta{j + 1}": row for j, row in enumerate(np.ascontiguousarray(motion.sign.T))}
-    return _WORDS[motion]
-
-
 def motion_words(motion: Motion) -> dict[str, Float | float]:
     """Return the words a torque text may use for the motion itself."""
-    return dict(_words(motion)[0])
-
-
-def signs(motion: Motion) -> Mapping[str, Float]:
-    """Return the sign signal of each word for a joint velocity."""
-    return _words(motion)[1]
+    return dict(motion.words)
 
 
 def feedback(model: Model, out: Float, linear: Float) -> dict[str, Float]:
@@ -167,7 +148,7 @@ def torque_values(
     With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N). `kept` is as
     of `to_numpy`.
     """
-    values = to_numpy(torque.node, env, signs(motion), kept)
+    values = to_numpy(torque.node, env, motion.signs, kept)
     whole = (len(motion),) if count is None else (count, len(motion))
     return np.broadcast_to(np.asarray(values, dtype=float), whole)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from exoid.symbolic.evaluation import feedback, motion_words, shape_values, shaped, signs
+from exoid.symbolic.evaluation import feedback, motion_words, shape_values, shaped
 from exoid.symbolic.language.instant import Operation, split_memory
 from exoid.symbolic.language.lower import to_numpy
 from exoid.symbolic.language.operators import MEMORY
@@ -47,7 +47,7 @@ def memory_signals(
         env |= feedback(model, base_columns(), linear)
     for k, (term, _, operation) in enumerate(operations):
         words = {**env, **shaped(term, at)}
-        argument = to_numpy(operation.argument, words, signs(motion))
+        argument = to_numpy(operation.argument, words, motion.signs)
         signal = np.broadcast_to(argument, motion.t.shape)
         extra = [] if operation.parameter is None else [float(to_numpy(operation.parameter, words))]
         values[:, k] = MEMORY[operation.operator](motion.t, signal, *extra)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,3 +63,23 @@ class Motion:
 
     def __len__(self) -> int:
         return int(self.t.shape[0])
+
+    def __getstate__(self) -> dict[str, object]:
+        """What it consists of: what was computed from that is computed anew in another process."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
+    def words(self) -> Mapping[str, Float]:
+        """The words (N,) that a torque text uses for it: t, theta1, dtheta1, ddtheta1, theta2, ..."""
+        signals = (("theta", self.q), ("dtheta", self.dq), ("ddtheta", self.ddq))
+        return {"t": self.t} | {key: row for stem, signal in signals for key, row in _by_joint(stem, signal).items()}
+
+    @cached_property
+    def signs(self) -> Mapping[str, Float]:
+        """The sign signal (N,) of each word for a joint's velocity."""
+        return _by_joint("dtheta", self.sign)
+
+
+def _by_joint(stem: str, signal: Float) -> dict[str, Float]:
+    """Return {word: row (N,)} of a signal (N, J)."""
+    return {f"{stem}{j + 1}": row for j, row in enumerate(np.ascontiguousarray(signal.T))}

@@ -163,18 +163,8 @@ def test_the_cores_of_a_container_are_those_it_is_granted(monkeypatch, tmp_path)
         assert cores.cores() == count
 
 
-@pytest.mark.parametrize(
-    ("system", "environment", "place"),
-    [
-        ("linux", {"XDG_CACHE_HOME": ""}, "HOME/.cache/exoid"),
-        ("linux", {"XDG_CACHE_HOME": "/else"}, "/else/exoid"),
-        ("darwin", {"XDG_CACHE_HOME": ""}, "HOME/Library/Caches/exoid"),
-        ("win32", {"LOCALAPPDATA": "/local"}, "/local/exoid/Cache"),
-    ],
-)
-def test_the_usual_cache_is_where_the_system_keeps_such_things(system, environment, place, monkeypatch, tmp_path):
-    monkeypatch.setattr(cache.sys, "platform", system)
-    monkeypatch.setenv("HOME", str(tmp_path))
-    for name, value in environment.items():
-        monkeypatch.setenv(name, value)
-    assert str(cache._usual_cache()) == place.replace("HOME", str(tmp_path))
+@pytest.mark.skipif(sys.platform != "linux", reason="the place is another one elsewhere")
+def test_the_usual_cache_is_where_the_system_keeps_such_things(monkeypatch, tmp_path):
+    monkeypatch.delenv("EXOID_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache.cache_folder() == tmp_path / "exoid"

@@ -26,38 +26,38 @@ def cell():
 
 
 def test_a_job_comes_back_with_its_value(cell):
-    assert cell.run("math:fsum", [1, 2, 3.5]).value == 6.5
+    assert cell.run("math:fsum", [1, 2, 3.5])["value"] == 6.5
 
 
 def test_an_exception_is_an_answer_with_its_traceback(cell):
     answer = cell.run("math:sqrt", -1)
-    assert answer.status == "failed" and "math domain error" in answer.reason
-    assert cell.run("math:sqrt", 4).value == 2.0
+    assert answer["status"] == "failed" and "math domain error" in answer["reason"]
+    assert cell.run("math:sqrt", 4)["value"] == 2.0
 
 
 def test_a_value_that_is_no_plain_data_is_a_failure_and_not_an_end(cell):
-    assert cell.run("builtins:iter", [1]).status == "failed"
+    assert cell.run("builtins:iter", [1])["status"] == "failed"
 
 
 def test_a_job_that_is_late_is_stopped_and_the_next_one_runs(cell):
-    assert cell.run("time:sleep", HUNG, 0.3).status == "late"
-    assert cell.run("math:fsum", [1]).value == 1.0
+    assert cell.run("time:sleep", HUNG, 0.3)["status"] == "late"
+    assert cell.run("math:fsum", [1])["value"] == 1.0
 
 
 def test_a_process_that_ends_in_a_job_is_replaced_once_and_then_given_up(cell):
     answer = cell.run("os:_exit", 3)
-    assert (answer.status, answer.attempts) == ("crashed", 2) and "status 3" in answer.reason
-    assert cell.run("math:fsum", [1]).value == 1.0
+    assert (answer["status"], answer["attempts"]) == ("crashed", 2) and "status 3" in answer["reason"]
+    assert cell.run("math:fsum", [1])["value"] == 1.0
 
 
 def test_what_a_job_prints_is_not_taken_for_its_answer(cell, capfd):
-    assert cell.run("builtins:print", '{"status": "done"}').value is None
+    assert cell.run("builtins:print", '{"status": "done"}')["value"] is None
 
 
 def test_the_process_ends_with_its_worker(tmp_path):
     script = (
         "from exoid.ground.engines.cell import Cell; import os, sys\n"
-        "c = Cell(); print(c.run('os:getpid', []).reason[:0], c._started().pid, flush=True); os.kill(os.getpid(), 9)"
+        "c = Cell(); c.run('math:sqrt', 4); print(c._started().pid, flush=True); os.kill(os.getpid(), 9)"
     )
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=HUNG)
     pid = int(done.stdout.split()[-1])

@@ -83,7 +83,7 @@ class Asked(Candidate):
         return np.stack([middle, after - before], axis=2)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Questions(Library):
     """All that is asked of recordings of which the first `before` were made before."""
 

@@ -30,7 +30,7 @@ MOMENTS = (1.12, 1.25, 1.4, 1.6, 1.85, 2.15, 2.6, 3.2, 4.2, 6.0, 10.0)
 """Moments after the end of a recording that are tried, in its lengths (and mirrored, before its beginning)."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Library:
     """The candidates for a question, and their columns; those that no parameter can change are kept, the others for as
     long as the same model is asked about.

@@ -42,9 +42,9 @@ def unheard(state: State) -> None:
     """Hear of a longer state and do nothing."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class SearchContext:
-    """Recordings, candidates, seed and thresholds of one search."""
+    """Recordings, candidates, seed and thresholds of one search, and what it has found out so far."""
 
     prepared: Prepared
     library: Library

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
+from contextlib import ExitStack
 from typing import Any
 
 from exoid.ground.cores import cores
@@ -21,51 +21,36 @@ def dask(address: str, jobs: int = 0) -> Engine:
     Raises EngineError where Dask is missing or nobody answers.
     """
     with needing("dask", "clusters of Dask", "distributed", error=EngineError):
-        from distributed import Client, LocalCluster
-    owned: list[Any] = []
-    started = contextlib.ExitStack()  # the cluster starts workers anew as long as it lives
+        from distributed import Client
+    here = address == "local"
+    where: dict[str, Any] = {"scheduler_file" if address.endswith(".json") else "address": address}
+    if here:
+        where = {"n_workers": jobs or cores(), "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    opened = ExitStack()
     try:
-        if address == "local":
-            started.enter_context(workers_import_alike())
-            cluster = LocalCluster(
-                n_workers=jobs or cores(), threads_per_worker=1, processes=True, dashboard_address=None,
-                silence_logs=50,
-            )  # fmt: skip
-            owned.append(cluster)
-            client = Client(cluster, timeout=PATIENCE)
-        elif address.endswith(".json"):
-            client = Client(scheduler_file=address, timeout=PATIENCE)
-        else:
-            client = Client(address, timeout=PATIENCE)
+        if here:
+            opened.enter_context(workers_import_alike())  # as long as it lives: lost workers are started anew
+        client = opened.enter_context(Client(timeout=PATIENCE, **where))
         client.wait_for_workers(1, timeout=PATIENCE)
     except (OSError, ValueError, TimeoutError) as error:
-        for cluster in owned:
-            cluster.close()
-        started.close()
+        opened.close()
         what = f"no Dask cluster with a worker answers within {PATIENCE:g} s ({error})"
         remedy = "give the address that dask scheduler prints, for example tcp://host:8786, or local"
         raise EngineError(what, where=f"--dask {address}", remedy=remedy) from error
     for name in ("distributed.client", "distributed.core", "distributed.scheduler", "distributed.worker"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what is lost is said by `lost`
-    known: set[str] = set(_workers(client))
+    known = set(_workers(client))
 
     def lost() -> list[str]:
-        now = set(_workers(client))
-        gone = [f"Dask worker {name} is gone; what it was doing is done again" for name in sorted(known - now)]
+        gone = known - (now := set(_workers(client)))
         known.clear()
         known.update(now)
-        return gone
+        return [f"Dask worker {name} is gone; what it was doing is done again" for name in sorted(gone)]
 
-    def close(wait: bool) -> None:
-        client.close()
-        for cluster in owned:
-            cluster.close()
-        started.close()
-
-    where = "on this machine" if address == "local" else f"at {address}"
     return Engine(
-        f"Dask {where}, {len(known)} workers", client.get_executor(retries=2, pure=False),
-        lambda: sum(w["nthreads"] for w in _workers(client).values()), lost, close, ships=address != "local",
+        f"Dask {'on this machine' if here else f'at {address}'}, {len(known)} workers", client.get_executor(pure=False),
+        lambda: sum(worker["nthreads"] for worker in _workers(client).values()), lost, lambda wait: opened.close(),
+        ships=not here,
     )  # fmt: skip
 
 

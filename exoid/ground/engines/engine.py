@@ -1,4 +1,4 @@
-"""One interface to every engine: an executor, how many jobs it takes at a time, and jobs that come back as they end."""
+"""An executor of `concurrent.futures`, with what a campaign wants to know of it; jobs that come back as they end."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ class EngineError(ExoidError):
 
 @dataclass(frozen=True)
 class Engine:
-    """An open engine.
+    """An open engine; `with` closes it, and what still runs is ended where an exception ends the block.
 
     `workers()` is how many jobs run at a time now, `lost()` what happened to workers since it was last asked, in
-    words, `ahead` how many jobs it is handed for each worker, and `close(wait)` gives back what the engine holds;
-    without `wait` it ends what still runs.
+    words, and `ahead` how many jobs it is handed for each worker. `close(wait)` gives back what the engine holds;
+    without `wait` it ends what still runs. `ships` says that workers may not see this machine's files, so that
+    recordings travel as bytes.
     """
 
     name: str
@@ -36,12 +37,18 @@ class Engine:
     close: Callable[[bool], None]
     ahead: int = AHEAD
     ships: bool = False
-    """Whether workers may not see this machine's files, so that recordings travel as bytes."""
+
+    def __enter__(self) -> Engine:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.close(kind is None)
 
 
 def engine_of(given: Engine | Executor) -> Engine:
-    """Return an engine, or any `concurrent.futures.Executor` as one, which is closed by whoever opened it; its workers
-    see the files of this machine. EngineError for anything else.
+    """Return any executor as an engine, which whoever opened it closes; its workers see the files of this machine.
+
+    Raises EngineError for anything else.
     """
     if isinstance(given, Engine):
         return given

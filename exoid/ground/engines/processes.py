@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import os
-import threading
-import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future
 from multiprocessing import resource_tracker as of_python
 from typing import Any
 
 from exoid.ground.cores import cores
-from exoid.ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
+from exoid.ground.engines.cell import BESIDE_OTHERS, ONE_THREAD, end_with
 from exoid.ground.engines.engine import AHEAD, Engine, EngineError, Job, completed
 from exoid.ground.extras import needing
 from exoid.ground.import_path import SAFE, workers_import_alike
@@ -35,19 +33,6 @@ class _Here(Executor):
         return future
 
 
-def end_with(master: int) -> None:
-    """End this process as soon as `master`, which started it, is gone: killed, it cannot say so."""
-    if os.getppid() != master:
-        return  # started by a helper of joblib: it ends after `IDLE`
-
-    def look() -> None:
-        while os.getppid() == master:
-            time.sleep(1.0)
-        os._exit(1)
-
-    threading.Thread(target=look, daemon=True).start()
-
-
 def processes(jobs: int = 0) -> Engine:
     """Return an engine of `jobs` processes with one thread of linear algebra each; 0 means one per
     core, 1 this process itself.
@@ -64,13 +49,9 @@ def in_processes(
     function: Callable[..., Any], jobs: Iterable[Job], arguments: Callable[[Job], tuple[Any, ...]], count: int = 0
 ) -> Iterator[tuple[Job, Any]]:
     """Yield every job with its result, in the order in which they end, from `count` processes as for `processes`."""
-    engine, ended = processes(count), False
-    try:
+    with processes(count) as engine:
         for job, future in completed(engine, function, jobs, arguments):
             yield job, future.result()
-        ended = True
-    finally:
-        engine.close(ended)
 
 
 def alone() -> Engine:

@@ -169,9 +169,7 @@ class PreparedRecording:
         rows = np.concatenate([new.bridged(np.array(tau.T, order="C")), new.hidden.T])
         smooth = low_pass_at(rows, self.cutoff, self.rate, self.kept)
         torque, bridged = smooth[: tau.shape[1]], smooth[tau.shape[1] :]
-        done = replace(new, torque=np.ascontiguousarray(torque), used=self.read.fitted & (bridged < USED))
-        vars(done)["_bridges"] = new._bridges  # the same samples are hidden
-        return done
+        return replace(new, torque=np.ascontiguousarray(torque), used=self.read.fitted & (bridged < USED))
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders and force sensors had added their noise once more (SIMEX,

@@ -11,7 +11,6 @@ from functools import lru_cache
 from pathlib import Path
 from types import CodeType
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 from exoid.ground.files import sha256
 from exoid.symbolic.joints import HERE, Joint
@@ -32,15 +31,10 @@ def model_key(model: Model) -> str:
     return sha256(canonical_json({"name": model.name, "limits": limits, "custom": own, **model_data(model)}))
 
 
+@lru_cache(maxsize=1024)  # each is asked for thousands of times
 def equations_key(model: Model) -> str:
     """Return the hash of the model's equations alone: models that differ in name or limits share it."""
-    if model not in _KEYS:
-        _KEYS[model] = sha256(canonical_json(model_data(model)))
-    return _KEYS[model]
-
-
-_KEYS: WeakKeyDictionary[Model, str] = WeakKeyDictionary()
-"""Keys of models that are in use: each is asked for thousands of times."""
+    return sha256(canonical_json(model_data(model)))
 
 
 def model_data(model: Model) -> dict[str, Any]:

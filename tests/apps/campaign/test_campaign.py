@@ -91,6 +91,22 @@ def test_any_executor_gives_the_same_bytes(kind, finished, plan_file, tmp_path):
     assert (tmp_path / "table.csv").read_bytes() == (whole / "table.csv").read_bytes()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("package", "folder"), [("distributed", "fleet-client"), ("submitit", "fleet-submitit")])
+def test_a_recipe_for_a_cluster_gives_the_same_bytes(package, folder, finished, plan_file, tmp_path):
+    """The two of docs/campaigns.md, typed as they stand there, with the library itself."""
+    pytest.importorskip(package)
+    blocks = (ROOT / "docs" / "campaigns.md").read_text("utf-8").split("```python\n")[1:]
+    (recipe,) = (code for code, *_ in (block.split("```") for block in blocks) if folder in code)
+    shutil.copytree(plan_file.parent, tmp_path, dirs_exist_ok=True)
+    (tmp_path / "recipe.py").write_text(recipe)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    words = [sys.executable, "recipe.py"]
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "2 done" in done.stdout, done.stderr
+    assert (tmp_path / folder / "table.csv").read_bytes() == (finished[1] / "table.csv").read_bytes()
+
+
 def test_what_is_no_executor_is_refused_in_words(plan_file, tmp_path):
     with pytest.raises(EngineError, match=r"int is no concurrent\.futures\.Executor"):
         run_campaign(read_plan(plan_file), tmp_path, 8)

@@ -63,14 +63,8 @@ def run(args: argparse.Namespace) -> int:
     check_folder(args.out)
     from exoid.apps.campaign.run import run_campaign
 
-    engine = _engine(args, plan)
-    ended = False
-    try:
-        with progress(engine.name, quiet=args.quiet) as report:
-            found = run_campaign(plan, args.out, engine, report)
-        ended = True
-    finally:
-        engine.close(ended)
+    with _engine(args, plan) as engine, progress(engine.name, quiet=args.quiet) as report:
+        found = run_campaign(plan, args.out, engine, report)
     _show(screen, found, engine, Path(args.out))
     if args.json:
         write_json(args.json, {"schema": "exoid.campaign/1", "jobs": len(found.rows), **found.to_json()})
