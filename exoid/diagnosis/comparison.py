@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from exoid.diagnosis.evidence.best_effects import as_given, may_leave_noise
 from exoid.diagnosis.evidence.channels import OUTSIDE, channel_findings
 from exoid.diagnosis.evidence.curves import variables
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
@@ -20,6 +21,7 @@ from exoid.diagnosis.evidence.strides import Strides, strides_of
 from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.plots import against
 from exoid.diagnosis.reported import Reported
+from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.torques import torques_over_time
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
 from exoid.ground.frames import pandas
@@ -190,6 +192,9 @@ def compare(
 def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     """Hold a Fit against recordings that are prepared already."""
     now = fitted_model(fit, prepared)
+    if prepared.misread and may_leave_noise(as_given(now), RULES):
+        now = as_given(now)
+        prepared = now.prepared
     unseen = verification(fit, prepared)
     doubts = channel_findings(now)
     length = None if any(one.check == OUTSIDE for one in doubts) else wanted_thigh_length(fit, prepared)

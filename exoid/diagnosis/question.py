@@ -8,7 +8,7 @@ from typing import TypeGuard
 
 import numpy as np
 
-from exoid.diagnosis.evidence.best_effects import may_leave_noise
+from exoid.diagnosis.evidence.best_effects import as_given, may_leave_noise
 from exoid.diagnosis.evidence.channels import doubts_after, doubts_before, doubts_of_recordings
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
@@ -87,16 +87,16 @@ class Question:
         """
         prepared = base.prepared
         if prepared.misread:
-            rest = tuple(one for one in prepared.findings if one not in prepared.misread)
-            as_given = replace(base, prepared=replace(prepared, findings=rest, misread=()))
-            rival = self.search(as_given, tick) if may_leave_noise(as_given, self.rules) else None
+            given = as_given(base)
+            rival = self.search(given, tick) if may_leave_noise(given, self.rules) else None
             return rival if self._is_explained(rival) else self._answered(base, check_channels(prepared.misread), tick)
         if (wrong := doubts_of_recordings(base, self.rules)) is not None:
             return self._answered(base, doubted(wrong), tick)
         if (outside := intermittent(base, self.rules)) is not None:
             rival = self._searched(base, tick) if may_leave_noise(base, self.rules) else None
-            joints = base.model.joints
-            return rival if self._is_explained(rival) else self._answered(base, pushed(outside, joints), tick)
+            if rival is not None and (rival.answer is not None or self._is_explained(rival)):
+                return rival
+            return self._answered(base, pushed(outside, base.model.joints), tick)
         return self._searched(base, tick, found)
 
     def _is_explained(self, rival: Searched | None) -> TypeGuard[Searched]:

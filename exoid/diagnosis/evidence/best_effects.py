@@ -4,6 +4,8 @@ outside has to beat it.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
@@ -12,7 +14,16 @@ from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.ranking import weigh_all
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import least_of
+from exoid.measurement.auditing.convention import CHECKS
 from exoid.optimisation.fitting.identify import identify
+
+
+def as_given(base: FittedModel) -> FittedModel:
+    """Return a model on recordings that are taken as they were given, whatever reading of them fits better."""
+    prepared = base.prepared
+    doubted = {*CHECKS, *(one.check for one in prepared.misread)}
+    rest = tuple(one for one in prepared.findings if one.check not in doubted)
+    return replace(base, prepared=replace(prepared, findings=rest, misread=()))
 
 
 def may_leave_noise(base: FittedModel, rules: Rules) -> bool:
@@ -23,10 +34,11 @@ def may_leave_noise(base: FittedModel, rules: Rules) -> bool:
     for _ in range(rules.most_terms):
         if np.all(times_noise(now) <= rules.near_noise):
             return True
-        names = [term.name for term in now.model.terms]
-        scores, _ = weigh_all(now.evidence(seed=0, draws=0, rules=rules), library, now, library.candidates)
+        present = {(term.effect.id, term.joint) for term in now.model.terms}
+        todo = [one for one in library.candidates if (one.term.effect.id, one.term.joint) not in present]
+        scores, _ = weigh_all(now.evidence(seed=0, draws=0, rules=rules), library, now, todo)
         helping = [one for one in scores if one.helps and not one.caution and not one.candidate.tangent]
-        rest = [one for one in helping if one.name not in names and one.share > rules.unexplained_share]
+        rest = [one for one in helping if one.share > rules.unexplained_share]
         if not rest:
             return False
         best = least_of(rest, lambda one: -one.share, 1.0)

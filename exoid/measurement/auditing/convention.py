@@ -40,7 +40,9 @@ from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_leg, is_spatial, machine_word, parents
 
-CHECK = "convention"
+CHECK, SIGN = "convention", "sign"
+CHECKS = (CHECK, SIGN)
+"""What findings on the convention of recordings are called: of several, or of another kind; of the sides of one."""
 GOOD = threshold(
     __name__, "GOOD", 0.4,
     "share of the torques' power that a reading leaves at most: one that fits nothing would be named",
@@ -204,7 +206,7 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     what += f"as it stands {found.now / len(joints):.0%}"
     remedy = f"if so, give --convention {file}{option}" if option else "if so, leave --convention away"
     remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
-    check = "sign" if found.reading.sides and len(recordings) == 1 else CHECK
+    check = SIGN if found.reading.sides and len(recordings) == 1 else CHECK
     where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
     sure = "possible" if found.rivals or found.then > GAIN else "likely"
     return Finding(check, "warning", what, where, found.now, LEAST, remedy, "every parameter is wrong", sure)

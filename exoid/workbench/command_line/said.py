@@ -18,15 +18,17 @@ if TYPE_CHECKING:
 def say_findings(recordings: Sequence[Recording], args: argparse.Namespace) -> None:
     """Say what the audits of recordings warn of and, in one line, what was repaired, which --quiet leaves out.
 
-    With --verbose each finding of each file. A mapping that was remembered is said every time.
+    With --verbose each finding of each file. A mapping that was remembered is said every time. In which convention they
+    are is left to the answer, which asks all of them together.
     """
+    from exoid.measurement.auditing.convention import CHECKS as CONVENTION
     from exoid.measurement.reading.among import LEFT_OUT
 
     told = [
         finding
         for one in recordings
         for finding in one.findings
-        if finding.severity != "info" or finding.check in ("mapping", LEFT_OUT)
+        if finding.check not in CONVENTION and (finding.severity != "info" or finding.check in ("mapping", LEFT_OUT))
     ]
     if getattr(args, "verbose", False):
         for finding in told:
