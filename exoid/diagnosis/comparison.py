@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exoid.diagnosis.evidence.best_effects import as_given, may_leave_noise
+from exoid.diagnosis.evidence.best_effects import as_given
 from exoid.diagnosis.evidence.channels import OUTSIDE, channel_findings
 from exoid.diagnosis.evidence.curves import variables
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.remainder import Remainder, remainders
 from exoid.diagnosis.evidence.strides import Strides, strides_of
 from exoid.diagnosis.outside import ForceUse, force_uses
@@ -192,8 +193,8 @@ def compare(
 def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     """Hold a Fit against recordings that are prepared already."""
     now = fitted_model(fit, prepared)
-    if prepared.misread and may_leave_noise(as_given(now), RULES):
-        now = as_given(now)
+    if prepared.misread and np.all(times_noise(now) <= RULES.near_noise):
+        now = as_given(now)  # a model that leaves about the noise reads the channels rightly
         prepared = now.prepared
     unseen = verification(fit, prepared)
     doubts = channel_findings(now)
