@@ -96,9 +96,8 @@ def answer_of(
         fitted = beside.fitted(recordings, verify, tick, own.applied(given))
         rival = _of_machine(beside, fitted, recordings, verify, tick, found, began)
         explained = _on(rival.fit, own.applied(given))
-        again, before = belonging_to(_on(rival.fit, given), rules) or own, own
-        own = again
-        if again.agrees(before):
+        before, own = own, belonging_to(_on(rival.fit, given), rules) or own
+        if own.agrees(before):
             break
     told = own.without([one.recording for one in rival.left_out])
     worse = ("check_channels", "unexplained") if answer.verdict == "check_channels" else ("check_channels",)
@@ -106,20 +105,23 @@ def answer_of(
         return answer
     if answer.left_out and answer.error is None and rival.error is not None:
         return answer  # what is another machine's is explained by no such number
-    machines = (explained_by(last, one) for one in _of_machine_alone(answer, given, rules))
+    machines = (explained_by(last, one) for one in _of_machine_alone(question, answer, given))
     if any(one >= rules.most * explained_by(last, explained) for one in machines):
         return answer  # an effect of the machine explains nearly as much as many numbers of recordings
     return with_own(rival, told, base)
 
 
-def _of_machine_alone(answer: Diagnosis, given: Prepared, rules: Rules) -> Iterator[FittedModel]:
+def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:
     """Yield the model that was found, then with each of the entries that come nearest to what it leaves, fitted to all
     recordings: a number of a recording's own has seen a part of that recording, too, held out or not.
     """
-    found, names = answer.model, [term.name for term in answer.model.terms]
-    near = [one for one in answer.suspects if one.name not in names and one.explained_share >= rules.worth_telling]
+    found, names, least = answer.model, [term.name for term in answer.model.terms], question.rules.worth_telling
+    near = [one for one in answer.suspects if one.name not in names and one.explained_share >= least]
     nearest = ascending(near, lambda one: -one.explained_share, 1.0)[:NEAREST]
-    for model in (found, *(found.with_effect(found.find_effect(one.effect), one.joint) for one in nearest)):
+    own = {effect.id: effect for effect in question.entries(given)}  # the model alone does not know these
+    effects = [own.get(one.effect) or found.find_effect(one.effect) for one in nearest]
+    with_one = (found.with_effect(effect, one.joint) for effect, one in zip(effects, nearest, strict=True))
+    for model in (found, *with_one):
         yield _on(identify(model, given.all, optimisers=()), given)
 
 

@@ -134,8 +134,12 @@ class Question:
         return Searched(base.prepared, base, context, Found(State((Extension(base),)), ()), answer)
 
     def _context(self, part: Prepared, prepared: Prepared, tick: Progress) -> SearchContext:
-        more = (*own_effects(self.model, self.asked.extra), *readings_of(self.model, prepared))
-        return SearchContext(part, build_library(self.model, part.all, more), self.asked.seed, tick, self.rules)
+        library = build_library(self.model, part.all, self.entries(prepared))
+        return SearchContext(part, library, self.asked.seed, tick, self.rules)
+
+    def entries(self, prepared: Prepared) -> tuple[Effect, ...]:
+        """Entries of the search that no catalogue has: the user's effects, and readings that may be the case."""
+        return *own_effects(self.model, self.asked.extra), *readings_of(self.model, prepared)
 
 
 def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:

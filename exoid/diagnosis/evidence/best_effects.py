@@ -27,13 +27,13 @@ def as_given(base: FittedModel) -> FittedModel:
 
 
 def may_leave_noise(base: FittedModel, rules: Rules) -> bool:
-    """Whether entries of the catalogue, the best one after the other, leave about the noise, as a search would have to:
-    far cheaper than one. Each must explain much, or so few of them never get there.
+    """Screening before a search: whether entries of the catalogue, the best one after the other, leave about the noise.
+    Each must explain much, or so few of them never get there.
     """
     library, now = build_library(base.model, base.prepared.all), base
-    for _ in range(rules.most_terms):
-        if np.all(times_noise(now) <= rules.near_noise):
-            return True
+    while np.any(times_noise(now) > rules.near_noise):
+        if len(now.model.terms) - len(base.model.terms) == rules.most_terms:
+            return False
         present = {(term.effect.id, term.joint) for term in now.model.terms}
         todo = [one for one in library.candidates if (one.term.effect.id, one.term.joint) not in present]
         scores, _ = weigh_all(now.evidence(seed=0, draws=0, rules=rules), library, now, todo)
@@ -46,4 +46,4 @@ def may_leave_noise(base: FittedModel, rules: Rules) -> bool:
         model = now.model.with_effect(term.effect, term.joint)
         start = np.concatenate([now.shape, np.median(best.shape, axis=0)]) if model.shapes else None
         now = fitted_model(identify(model, base.prepared.train, optimisers=(), start=start), base.prepared)
-    return bool(np.all(times_noise(now) <= rules.near_noise))
+    return True

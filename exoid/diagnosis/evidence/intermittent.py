@@ -116,11 +116,8 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     """Return what acts in part of the time of all recordings; None where nothing does, or little is left. An effect may
     act in part of the time as well, as friction does that some angles lack: it is a rival.
     """
-    return _intermittent(base, rules) if np.any(times_noise(base) > rules.near_noise) else None
-
-
-def _intermittent(base: FittedModel, rules: Rules) -> Intermittent | None:
-    """Return what acts in part of the time of all recordings, whatever the catalogue says."""
+    if np.all(times_noise(base) <= rules.near_noise):
+        return None
     sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
     views = [_view(base, index, sample) for index in range(len(base.prepared.all))]
     parts = [view.windows() for view in views]

@@ -69,7 +69,7 @@ def hypotheses() -> dict[str, ModuleType]:
 
 
 def claims_of(model: Model) -> tuple[Claim, ...]:
-    """Return what all hypotheses propose for the machine of a model."""
+    """Claims of all hypotheses for the machine of a model."""
     found: Sequence[Sequence[Claim]] = [one.claims(model) for one in hypotheses().values()]
     return tuple(claim for some in found for claim in some)
 

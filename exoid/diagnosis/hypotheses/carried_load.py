@@ -30,7 +30,7 @@ def claims(model: Model) -> tuple[Claim, ...]:
 
 
 def _pieces(link: int, seen: Seen) -> Float:
-    """Return what inertia, first moment and mass of one link ask of the drives (J, K, 3)."""
+    """Torques (J, K, 3) that inertia, first moment and mass of one link ask of the drives."""
     mixture = seen.model.mixture[:, link]
     return np.asarray(seen.columns[:, :, : len(mixture)] @ mixture)
 
@@ -40,7 +40,7 @@ def _mix(at: float) -> Float:
 
 
 def said(place: str | None, values: dict[str, str], where: str) -> str:
-    """Return which recordings carry what, and where."""
+    """Sentence on the loads {recording: words}, and where they hang."""
     names, words = " and ".join(values), next(iter(values.values()))
     each = "" if len(set(values.values())) == 1 else f" ({each_said(values)})"
     what = f"{words}{where}" if not each else f"something{where}{each}"

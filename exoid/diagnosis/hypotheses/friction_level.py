@@ -29,5 +29,5 @@ def _friction(joint: int, seen: Seen) -> Float:
 
 
 def said(place: str | None, values: dict[str, str], where: str) -> str:
-    """Return which levels the recordings have."""
+    """Sentence on the levels {recording: words} of friction."""
     return f"The friction of the {place} is another than in the other recordings: {each_said(values)} times as much"

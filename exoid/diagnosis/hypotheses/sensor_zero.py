@@ -18,5 +18,5 @@ def claims(model: Model) -> tuple[Claim, ...]:
 
 
 def said(place: str | None, values: dict[str, str], where: str) -> str:
-    """Return which zeros the recordings have."""
+    """Sentence on the zeros {recording: words}."""
     return f"The {place} torque sensor has another zero in each recording: {each_said(values)}"

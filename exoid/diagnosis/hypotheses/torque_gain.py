@@ -22,5 +22,5 @@ def _of(joint: int, seen: Seen) -> Float:
 
 
 def said(place: str | None, values: dict[str, str], where: str) -> str:
-    """Return which gains the recordings have."""
+    """Sentence on the gains {recording: words}."""
     return f"The {place} torque is told with another gain than in the other recordings: {each_said(values)} times"

@@ -310,8 +310,10 @@ class _Recordings:
         recording has a speed of its own, friction that depends on speed looks like friction that differs.
         """
         curve = self._curve(held.claim.place)
+        if not curve:
+            return False
         self._weighted((*rest, held))
-        return bool(curve) and not self.pays((*rest, *curve), (*rest, held), self.clear)
+        return not self.pays((*rest, *curve), (*rest, held), self.clear)
 
     def _curve(self, joint: str | None) -> State:
         """Return a curve as claims of all recordings together, one for each spline; none where `joint` is no joint."""
