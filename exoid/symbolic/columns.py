@@ -60,10 +60,13 @@ def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -
     at = shape_values(model, shapes)
     place = places(model)
     out = np.zeros((len(model.joints), len(motion), column_count(model)))
-    _fill_base(model, motion, out, linear, at)
+    base = _base_columns(model, motion, linear, at)
+    chosen = base_places(model)
+    # A block of columns is copied several times faster than a list of them.
+    out[:, :, slice(len(chosen)) if chosen == [*range(len(chosen))] else chosen] = base
     env = motion_words(motion)
     if any(uses_feedback(term) for term in model.terms):
-        env |= feedback(model, out, linear) | slopes_of(model, model.terms, motion, linear, shapes)
+        env |= feedback(model, model.terms, base, linear) | slopes_of(model, model.terms, motion, linear, shapes)
     plain = [term for term in model.terms if term.effect.derive is None and not is_transform(term)]
     for term in plain:
         _add(term, {**env, **shaped(term, at)}, motion, out, place)
@@ -105,9 +108,8 @@ def following_columns(
         return derived_columns(model, motion, nodes, numbers)(nodes)
     if any(map(uses_feedback, terms)):
         carried = carrying(model, motion, numbers)
-        base = np.zeros((len(model.joints), len(motion), len(carried)))
-        _fill_base(model, motion, base, carried, shape_values(model, nodes[0]))
-        words |= feedback(model, base, carried) | slopes_of(model, terms, motion, carried, nodes[0])
+        base = _base_columns(model, motion, carried, shape_values(model, nodes[0]))
+        words |= feedback(model, terms, base, carried) | slopes_of(model, terms, motion, carried, nodes[0])
     width = sum(len(term.effect.coefficients) for term in terms)
     out, first = np.zeros((len(nodes), len(model.joints), width, len(motion))), 0
     for term in terms:
@@ -167,7 +169,8 @@ def moving_torque(
         base = base_places(model)
         words |= {f"tau_model{j + 1}": values for j, values in enumerate(columns[:, :, base] @ carried[base])}
     elif uses_feedback(term):
-        words |= feedback(model, columns, carried) | slopes_of(model, (term,), motion, carried, shape)
+        words |= feedback(model, (term,), columns[:, :, base_places(model)], carried)
+        words |= slopes_of(model, (term,), motion, carried, shape)
     still = np.array(carried)
     still[[*own.values()]] = 0.0
     texts = torques(term)
@@ -345,9 +348,8 @@ LONGEST_KEPT = 400_000
 """Samples of a motion whose base columns are kept, at most: 50 MB."""
 
 
-def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapping[str, float]) -> None:
-    """Write the columns of mechanism and friction into `out`."""
-    chosen = base_places(model)
+def _base_columns(model: Model, motion: Motion, linear: Float, at: Mapping[str, float]) -> Float:
+    """Return the columns (J, N, B) of mechanism and friction, those at `base_places`; not to be written to."""
     if not model.derived and len(motion) <= LONGEST_KEPT:
         # A search asks for the same motion thousands of times, each time with another effect.
         size = model.thigh_length, model.pull, model.chain, model.moving_base, model.forces
@@ -355,13 +357,10 @@ def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapp
         if kept is None or kept[0] != size:
             count = np.zeros(model.base_count)
             kept = _KEPT[motion] = size, compiled(model.base()).pointwise(motion, count, np.zeros(0))
-        # A block of columns is copied several times faster than a list of them.
-        block = chosen == [*range(len(chosen))]
-        out[:, :, slice(len(chosen)) if block else chosen] = kept[1]
-        return
-    bare = rigid_model(model)
+        return kept[1]
+    bare, chosen = rigid_model(model), base_places(model)
     shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])
-    out[:, :, chosen] = compiled(bare).pointwise(motion, linear[chosen[: len(bare.parameters)]], shapes)
+    return compiled(bare).pointwise(motion, linear[chosen[: len(bare.parameters)]], shapes)
 
 
 def _add(term: Term, env: dict[str, Float | float], motion: Motion, out: Float, place: dict[str, int]) -> None:

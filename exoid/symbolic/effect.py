@@ -104,7 +104,7 @@ class Effect:
     deflection: Mapping[str, str] | None = None
     machines: str = "all"
     """Which machines have it: "all", the "leg" with hip and knee, or "others"; only those that move in a plane where it
-    is "planar" or "planar others".
+    is "planar" or "planar others", only those in space where it is "spatial".
     """
     worn: bool = False
     """Whether it is a person's own: machines with a hip and a knee have it, and it is looked for where the model has a

@@ -6,7 +6,7 @@ Needs no equations: the base columns that tau_rigid, tau_model and transforms ac
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -94,19 +94,22 @@ def motion_words(motion: Motion) -> dict[str, Float | float]:
     return dict(motion.words)
 
 
-def feedback(model: Model, out: Float, linear: Float) -> dict[str, Float]:
-    """Return tau_rigid and tau_model of all joints from the base columns in `out` and reference parameters
-    (P,).
+def feedback(model: Model, terms: Iterable[Term], base: Float, linear: Float) -> dict[str, Float]:
+    """Return tau_rigid and tau_model of the joints of which `terms` speak, from the columns (J, N, B) at `base_places`
+    and reference parameters (P,).
 
     They are never taken from a measurement: that would leak the answer into the question.
     """
-    base, rigid = base_places(model), rigid_places(model)
-    linear = np.concatenate([linear, np.ones(out.shape[2] - len(linear))])
-    numbers = np.zeros((2, len(linear)))
-    for row, chosen in zip(numbers, (rigid, base), strict=True):
-        row[chosen] = linear[chosen]
-    both = zip(("tau_rigid", "tau_model"), numbers, strict=True)
-    return {f"{word}{j + 1}": columns @ row for word, row in both for j, columns in enumerate(out)}
+    used = {name for term in terms for torque in torques(term) for name in torque.names}
+    whole = {*base_places(model)}
+    linear = np.concatenate([linear, np.ones(max(0, 1 + max(whole) - len(linear)))])
+    found = {}
+    for word, chosen in (("tau_rigid", {*rigid_places(model)}), ("tau_model", whole)):
+        numbers = np.array([linear[k] if k in chosen else 0.0 for k in base_places(model)])
+        for j, columns in enumerate(base):
+            if f"{word}{j + 1}" in used:
+                found[f"{word}{j + 1}"] = columns @ numbers
+    return found
 
 
 def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) -> None:

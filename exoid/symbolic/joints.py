@@ -40,6 +40,7 @@ SLIDING = (("kg·m²", "kg"), ("(N·m)", "N"), ("N·m", "N"), ("rad", "m"))
 """Units of a turning joint, and what they are where it slides."""
 
 Vector = tuple[float, float, float]
+Rows = tuple[tuple[float, ...], ...]
 UNIT = 1e-12
 """Difference of an axis's length from 1 up to which it is one already: what is read again stays what it was."""
 
@@ -92,6 +93,8 @@ class Joint:
 
     `parent` is the joint whose link carries this one, "base" for the base, None for the joint before. The axis is made
     a unit vector; three numbers are an origin without rotation. EffectError for an axis or an origin that is none.
+    `motor` says how far the motor of its name turns (rad) for each rad of joints, {joint: ratio}: its gear, and what
+    couples it to others; empty where motors are not spoken of.
     """
 
     name: str
@@ -100,8 +103,10 @@ class Joint:
     parent: str | None = None
     axis: Vector | None = None
     origin: Origin | None = None
+    motor: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "motor", tuple(dict(self.motor).items()))
         if self.axis is not None:
             object.__setattr__(self, "axis", _unit(three_numbers(self.axis, f"the axis of {self.name}")))
         if self.origin is not None and not isinstance(self.origin, Origin):
@@ -190,6 +195,7 @@ def check_joints(joints: Sequence[Joint]) -> None:
             )
         if spatial:
             _check_spatial(joint, where)
+    motors_of(joints)
     for k, parent in enumerate(parents(joints)):
         if parent is not None and joints[parent].length is None and not spatial:
             raise EffectError(
@@ -197,6 +203,30 @@ def check_joints(joints: Sequence[Joint]) -> None:
                 where=f"joint {parent + 1} ({names[parent]})",
                 remedy=f'give the length in m from one joint to the other: Joint("{names[parent]}", length=0.4)',
             )
+
+
+def motors_of(joints: Sequence[Joint]) -> Rows:
+    """Return how far the motor of each joint turns for each joint's angle (J, J), one to one where nothing is said;
+    EffectError where that names other joints, or leaves angles open.
+    """
+    import numpy as np
+
+    known, rows = names(joints), np.eye(len(joints))
+    for k, joint in enumerate(joints):
+        if not joint.motor:
+            continue
+        rows[k] = 0.0
+        for other, ratio in joint.motor:
+            if other not in known or not 0.0 < abs(ratio) <= FARTHEST:
+                what = f"its motor turns {ratio!r} times as far as {str(other)[:40]!r}"
+                raise EffectError(what, where=f"joint {k + 1} ({joint.name})",
+                                  remedy=f"give numbers that are not zero, of {', '.join(known)}")  # fmt: skip
+            rows[k, known.index(other)] = ratio
+    length = np.linalg.norm(rows, axis=1)
+    if np.linalg.matrix_rank(rows / length[:, None]) < len(joints):
+        remedy = "each motor has to turn with its own joint"
+        raise EffectError("the angles of the motors do not tell those of the joints", where="couplings", remedy=remedy)
+    return tuple(tuple(float(value) for value in row) for row in rows)
 
 
 def _check_spatial(joint: Joint, where: str) -> None:

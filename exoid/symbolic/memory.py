@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from exoid.symbolic.evaluation import feedback, motion_words, shape_values, shaped
+from exoid.symbolic.evaluation import base_places, feedback, motion_words, shape_values, shaped
 from exoid.symbolic.language.instant import Operation, split_memory
 from exoid.symbolic.language.lower import to_numpy
 from exoid.symbolic.language.operators import MEMORY
@@ -44,7 +44,7 @@ def memory_signals(
         return values
     env, at = motion_words(motion), shape_values(model, shapes)
     if any(operation.argument.names() & FEEDBACK for _, _, operation in operations):
-        env |= feedback(model, base_columns(), linear)
+        env |= feedback(model, model.terms, base_columns()[:, :, base_places(model)], linear)
     for k, (term, _, operation) in enumerate(operations):
         words = {**env, **shaped(term, at)}
         argument = to_numpy(operation.argument, words, motion.signs)

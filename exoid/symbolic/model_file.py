@@ -31,6 +31,8 @@ from exoid.symbolic.joints import (
     check_joints,
     is_leg,
     is_spatial,
+    motors_of,
+    names,
 )
 from exoid.symbolic.mechanics.body import BodyError
 from exoid.symbolic.model import TABLE_1, UNLIMITED, Limits, Model
@@ -112,6 +114,8 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
         pull = model.gravity if model.gravity_vector is None else list(model.gravity_vector)
         content |= {"gravity": pull, "joints": [_joint_content(model, joint) for joint in model.chain]}
         content |= {"base": {"motion": "measured"}} if model.moving_base else {}
+        if coupled := [joint for joint in model.chain if joint.motor]:
+            content["couplings"] = [{"motor": joint.name, "turns": dict(joint.motor)} for joint in coupled]
     else:
         content["geometry"] = {"thigh_length": model.thigh_length, "gravity": model.gravity}
         content["limits"] = {
@@ -204,8 +208,8 @@ def _declaration(value: Any) -> dict[str, Any]:
 def _identified_content(model: Model, fit: Identified) -> dict[str, Any]:
     content: dict[str, Any] = {}
     estimates = {estimate.name: estimate for estimate in fit.estimates}
-    for group, names in (("parameters", model.parameters), ("shape", model.shapes)):
-        content[group] = {entry.name: _ends(estimates[entry.name]) for entry in names if entry.name in estimates}
+    for group, known in (("parameters", model.parameters), ("shape", model.shapes)):
+        content[group] = {entry.name: _ends(estimates[entry.name]) for entry in known if entry.name in estimates}
     if fit.delta is not None:
         content["delta"] = [float(value) for value in fit.delta]
     return {key: value for key, value in content.items() if value}
@@ -224,8 +228,8 @@ def _load(path: str | Path) -> Table:
 
 def _model(top: Table) -> Model:
     top.only(
-        "name", "geometry", "limits", "gravity", "joints", "base", "wearer", "forces", "effects", "custom_effects",
-        "identified",
+        "name", "geometry", "limits", "gravity", "joints", "base", "couplings", "wearer", "forces", "effects",
+        "custom_effects", "identified",
     )  # fmt: skip
     if "identified" in top.values:
         top.table("identified").only("parameters", "shape", "delta", "loss", "rms")
@@ -278,7 +282,7 @@ def _pushed(model: Model, entries: Sequence[Table]) -> Model:
 
 def _leg(top: Table) -> Model:
     """Return the leg of a file that has [geometry] and [limits.hip], [limits.knee]."""
-    for key in ("gravity", "base"):
+    for key in ("gravity", "base", "couplings"):
         if key in top.values:
             raise top.error(key, f"{key} belongs to a file with [[joints]]", "write gravity below [geometry]")
     geometry = top.table("geometry") if "geometry" in top.values else top.child("geometry", {})
@@ -305,7 +309,7 @@ def _machine(top: Table) -> Model:
         remedy = "give m/s²: " + ("[0, 0, -9.81]" if vector else "9.81, or 0 where none acts in its plane")
         raise top.error("gravity", f"gravity is {gravity:g} m/s²", remedy)
     entries = top.tables("joints")
-    joints = tuple(_joint(entry) for entry in entries)
+    joints = _coupled(tuple(_joint(entry) for entry in entries), top.tables("couplings"))
     try:
         check_joints(joints)
     except EffectError as error:
@@ -317,7 +321,7 @@ def _machine(top: Table) -> Model:
     name = top.text("name", "unnamed machine")
     if pull and not is_spatial(joints):
         raise top.error("gravity", "gravity is a vector, and no joint has an axis", "give a number, m/s² downwards")
-    if gravity > 0.0 and not moving and is_leg(joints):
+    if gravity > 0.0 and not moving and is_leg(joints) and not any(joint.motor for joint in joints):
         known = {joint: limits.get(joint, UNLIMITED).filled(usual) for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)
         return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
@@ -327,6 +331,29 @@ def _machine(top: Table) -> Model:
         name, gravity=gravity, limits=limits, custom=custom, joints=joints, moving_base=moving,
         gravity_vector=vector_given,
     )  # fmt: skip
+
+
+def _coupled(joints: tuple[Joint, ...], entries: Sequence[Table]) -> tuple[Joint, ...]:
+    """Return `joints` with the motors of a file's [[couplings]]."""
+    known = names(joints)
+    found: dict[str, tuple[tuple[str, float], ...]] = {}
+    for entry in entries:
+        entry.only("motor", "turns")
+        motor, turns = entry.text("motor"), entry.table("turns")
+        turns.only(*known)
+        if motor not in known or motor in found:
+            what = f"there are two couplings of the motor of {motor}" if motor in found else f"no joint {motor!r}"
+            raise entry.error("motor", what, f"give each motor once, by its joint: {', '.join(known)}")
+        found[motor] = tuple((name, turns.number(name)) for name in turns.values)
+        if not found[motor] or not all(ratio for _, ratio in found[motor]):
+            remedy = f"give the motor's rad for 1 rad of each joint: turns = {{ {motor} = 100.0 }}"
+            raise entry.error("turns", "a motor that turns with nothing", remedy)
+    made = tuple(replace(joint, motor=found.get(joint.name, ())) for joint in joints)
+    try:
+        motors_of(made)
+    except EffectError as error:
+        raise entries[-1].error("turns", error.what, error.remedy) from error
+    return made
 
 
 def _moving_base(top: Table) -> bool:

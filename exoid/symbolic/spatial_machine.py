@@ -110,9 +110,20 @@ def _origin(robot: RobotFile, one: RobotJoint, carrier: RobotJoint | None, where
             return own, changed
         rounded = rounded or changed
         place, turned = place + turned @ np.array(own.xyz), turned @ np.array(rotation(own))
+    made, changed = _placed(place, turned)
+    return made, rounded or changed
+
+
+def origin_at(place: Float) -> Origin:
+    """Return the origin of a frame at `place` (4, 4) in that of its carrier."""
+    return _placed(place[:3, 3], place[:3, :3])[0]
+
+
+def _placed(place: Float, turned: Float) -> tuple[Origin, bool]:
+    """Return a place (3,) and orientation (3, 3), and whether an angle was taken as a right one."""
     x, y, z = (round(float(value), DIGITS) + 0.0 for value in place)
     angles, changed = _right(np.array(_rpy(turned)))
-    return Origin((x, y, z), angles), rounded or changed
+    return Origin((x, y, z), angles), changed
 
 
 def _axis(one: RobotJoint, where: str) -> tuple[Vector, bool]:

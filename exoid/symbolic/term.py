@@ -89,6 +89,8 @@ class Term:
         if not fits(effect, self.among):
             if is_spatial(self.among):
                 return "machines that move in a plane alone have it"
+            if effect.machines == "spatial":
+                return "machines in space alone have it"
             return "the leg with hip and knee alone has it" if effect.machines == "leg" else "the leg has others"
         if self.among is LEG:
             return effect.absorbed_on.get(str(self.joint), "")
@@ -194,8 +196,8 @@ class Term:
 
 def fits(effect: Effect, among: tuple[Joint, ...]) -> bool:
     """Return whether machines of these joints have the effect at all."""
-    if effect.machines.startswith("planar") and is_spatial(among):
-        return False
+    if effect.machines == "spatial" or is_spatial(among):
+        return is_spatial(among) and effect.machines in ("spatial", "all", "others")
     kind = effect.machines.removeprefix("planar").strip()
     return kind in ("", "all") or (kind == "leg") == (among is LEG)
 

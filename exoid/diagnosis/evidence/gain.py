@@ -30,6 +30,10 @@ ROUNDING = 0.01
 """Part of a gain by which ridges, which differ from split to split, may bend what a fit leaves room for."""
 RIDGE = 1e-9
 """Relative ridge of a candidate, for columns that depend on each other: far below what one must have of its own."""
+FEW = 16
+"""Columns of a model at a joint up to which they are taken as they are: those that span them are hardly fewer."""
+SPANNED = 1e-10
+"""Size of a direction of these columns, of the largest, that is rounding."""
 LEAST_SCALE = 0.3
 """Scale of a column for the ridge, of the largest, at least: one that is hardly seen would escape the ridge."""
 
@@ -87,7 +91,8 @@ class Evidence:
         self.is_train = self.of < len(self.train)
         self.shifts = draw_shifts([(one.motion, one.rate) for one in blocks], draws, np.random.default_rng(seed), rules)
         self._kept: dict[tuple[int, tuple[int, ...]], tuple[slice, Float, Float]] = {}
-        self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+        self._spans: dict[tuple[int, ...], tuple[Float, list[Float]]] = {}
+        self._transforms: dict[tuple[int, tuple[int, ...]], list[tuple[np.ndarray, np.ndarray]]] = {}
         bases = [self._unit_base(index, weight) for index, weight in self._units]
         self._base = [np.array(part) for part in zip(*bases, strict=True)]
         self._fits, self._held_out = self._make_splits()
@@ -213,27 +218,33 @@ class Evidence:
         wanted = np.flatnonzero(self.is_train) if trained else np.arange(self.count)
         shifts = self.shifts if by is None else by
         spectra: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
-        width = columns[0].values.shape[3]
-        rows = np.zeros((len(wanted), self.prior.size + 1 + width, width, len(shifts[0])))
+        width, lift = columns[0].values.shape[3], self._span(columns[0].joints)[0]
+        rows = np.zeros((len(wanted), lift.shape[1] + 1 + width, width, len(shifts[0])))
         for unit, into in zip(map(int, wanted), rows, strict=True):
             index = int(self.of[unit])
             if not columns[index].is_absent:
                 if index not in spectra:  # of all parts of a recording
                     spectra[index] = spectra_of(columns[index], node)
                 self._shift_unit(unit, columns[index], spectra[index], shifts[index], into)
-        return Gram(rows)
+        return Gram(rows, lift)
 
-    def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float | None = None) -> Float:
-        """Return what the placebos (draws,) of one node gain; those of a single recording are shifted alike again and
-        again, and are fitted once.
+    @cached_property
+    def different_shifts(self) -> tuple[list[np.ndarray], np.ndarray]:
+        """Shifts (D,) in every recording without repetition, and which of them each placebo has: a single recording is
+        shifted alike again and again.
         """
         different, back = np.unique(np.stack(self.shifts), axis=1, return_inverse=True)
-        grams = self.shifted(columns, node, by=list(different))
-        return np.asarray(self.gain(grams, ridge).total[back.ravel()])
+        return list(different), back.ravel()
+
+    def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float | None = None) -> Float:
+        """Return what the placebos (draws,) of one node gain; those that are shifted alike are fitted once."""
+        different, back = self.different_shifts
+        grams = self.shifted(columns, node, by=different)
+        return np.asarray(self.gain(grams, ridge).total[back])
 
     def trained(self, grams: Gram) -> Gram:
         """Return the Gram blocks of the training units alone."""
-        return Gram(grams.rows[self.is_train])
+        return Gram(grams.rows[self.is_train], grams.lift)
 
     def exceed(self, grams: Gram, least: float, allowed: Callable[[Float], np.ndarray]) -> np.ndarray:
         """Return which entries (D,) of Gram blocks of the training units gain `least` or more on units they were not
@@ -243,8 +254,8 @@ class Evidence:
         So nothing can gain more than a fit to all of them leaves room for, and the others need no splits.
         """
         pooled, spare, (fits, unseen), losses = self._training
-        coefficients, step, gain = pooled.candidate(grams, self.ridge())
-        room = spare + gain[0] + self.prior @ step[0] ** 2
+        coefficients, gain = pooled.gain(grams, self.ridge(), self.prior)
+        room = spare + gain[0]
         out = np.asarray(allowed(coefficients[0].T) & (room >= least - ROUNDING * abs(least)))
         if out.any():
             some = grams.entries(out)
@@ -279,27 +290,50 @@ class Evidence:
         shifts: np.ndarray,
         into: Float,
     ) -> None:
-        """Write the Gram blocks of the columns, shifted by `shifts` (D,) samples, into (P + 1 + m, m, D)."""
+        """Write the Gram blocks of the columns, shifted by `shifts` (D,) samples, into (L + 1 + m, m, D)."""
         _, _, samples, width = columns.values.shape
-        crossed = squared = 0.0  # many of the model's columns are nothing at a joint
-        live = np.flatnonzero(np.any([self._transform(unit, joint)[0] for joint in columns.joints], axis=0))
-        for joint, (single, paired) in zip(columns.joints, spectra, strict=True):
-            _, base, weight = self._transform(unit, joint)
-            crossed = crossed + single * base[live, None]
+        crossed = squared = 0.0
+        transforms = self._transform(unit, columns.joints)
+        for (base, weight), (single, paired) in zip(transforms, spectra, strict=True):
+            crossed = crossed + single * base[:, None]
             squared = squared + paired * weight
         both, square = np.fft.irfft(crossed, samples), np.fft.irfft(squared, samples)
-        for row, each in zip(live, both, strict=True):
-            np.take(each, shifts, axis=-1, out=into[row], mode="clip")  # which writes without a copy
+        for each, row in zip(both, into, strict=False):
+            np.take(each, shifts, axis=-1, out=row, mode="clip")  # which writes without a copy
         for each, first, second in zip(square, *upper_pairs(width), strict=True):
             into[-width + first, second] = into[-width + second, first] = each[shifts]
 
-    def _transform(self, unit: int, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        if (unit, joint) not in self._transforms:
+    def _transform(self, unit: int, joints: tuple[int, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return at each of `joints` the transforms of the weighted columns that span the model's, with the residual,
+        and of the weights.
+        """
+        if (unit, joints) not in self._transforms:
             index, weight = self._units[unit]
-            block, w = self.blocks[index], weight[joint]
-            both = np.concatenate([block.columns[joint].T, block.residual[[joint]]])
-            self._transforms[unit, joint] = np.asarray(both.any(axis=1)), np.fft.rfft(w * both), np.fft.rfft(w)
-        return self._transforms[unit, joint]
+            found = []
+            for joint, columns in zip(joints, self._span(joints)[1][index], strict=True):
+                both = np.concatenate([columns.T, self.blocks[index].residual[[joint]]])
+                found.append((np.fft.rfft(weight[joint] * both), np.fft.rfft(weight[joint])))
+            self._transforms[unit, joints] = found
+        return self._transforms[unit, joints]
+
+    def _span(self, joints: tuple[int, ...]) -> tuple[Float, list[Float]]:
+        """Return `lift` (P, L), and of every recording L columns (A, K, L) that span the model's at `joints`: of many
+        numbers of a machine a joint shows few, and what is multiplied with each of its columns is, with each of these.
+        """
+        if joints not in self._spans:
+            parts = [block.columns[list(joints)] for block in self.blocks]
+            whole = np.concatenate([part.reshape(-1, part.shape[2]) for part in parts])
+            length = np.linalg.norm(whole, axis=0)
+            live = np.flatnonzero(length)
+            size, turned = np.ones(live.size), np.eye(live.size)
+            if live.size > FEW:
+                size = length[live]
+                spread, turned = np.linalg.svd(np.linalg.qr(whole[:, live] / size, mode="r"))[1:]
+                turned = turned[spread > SPANNED * spread[0]]
+            lift = np.zeros((length.size, len(turned)))
+            lift[live] = turned.T * size[:, None]
+            self._spans[joints] = lift, [part[:, :, live] @ (turned / size).T for part in parts]
+        return self._spans[joints]
 
     def gain(self, grams: Gram, ridge: float | None = None) -> Gain:
         """Return what a candidate with these Gram blocks gains on units it was not fitted on.
@@ -359,7 +393,8 @@ class Evidence:
     def pick(self, grams: Gram, nodes: np.ndarray) -> Gram:
         """Return Gram blocks made of node `nodes` (R, D) of each recording; D of `grams` is (V, D), or (V, 1)."""
         entries, of = np.arange(nodes.shape[1]) % grams.rows.shape[-1], nodes[self.of]
-        return Gram(np.stack([unit[..., chosen, entries] for unit, chosen in zip(grams.rows, of, strict=True)]))
+        rows = np.stack([unit[..., chosen, entries] for unit, chosen in zip(grams.rows, of, strict=True)])
+        return Gram(rows, grams.lift)
 
     def novelty(self, grams: Gram) -> Float:
         """Return the share (D,) of the candidate that the present model cannot imitate, its weakest direction."""

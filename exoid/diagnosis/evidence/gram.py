@@ -13,16 +13,28 @@ from exoid.symbolic.motion import Float
 
 @dataclass(frozen=True, eq=False)
 class Gram:
-    """`rows` (U, P + 1 + m, m, D): one below the other g (U, P, m, D), a (U, m, D) and h (U, m, m, D) of a candidate in
-    every unit. D are nodes, or placebos, and come last: sums along them are what takes the time.
+    """`rows` (U, L + 1 + m, m, D): one below the other sums of products with L columns that span the model's at the
+    candidate's joints, a (U, m, D) and h (U, m, m, D) of a candidate in every unit. D are nodes, or placebos, and come
+    last: sums along them are what takes the time.
+
+    `lift` (P, L) makes sums with the model's own columns of those with the L; None where they are these.
     """
 
     rows: Float
+    lift: Float | None = None
+
+    @property
+    def few(self) -> Float:
+        """Sums of products with the columns that span the model's (U, L, m, D)."""
+        return self.rows[:, : -1 - self.rows.shape[2]]
 
     @property
     def g(self) -> Float:
         """Sums of products with the model's columns (U, P, m, D)."""
-        return self.rows[:, : -1 - self.rows.shape[2]]
+        if self.lift is None:
+            return self.few
+        few = self.few
+        return (self.lift @ few.reshape(*few.shape[:2], -1)).reshape(len(few), len(self.lift), *few.shape[2:])
 
     @property
     def a(self) -> Float:
@@ -37,7 +49,7 @@ class Gram:
     def of(self, units: Float) -> Gram:
         """Return the sums over units, (S, ...) for rows `units` (S, U) that are one where a unit counts."""
         total = units @ self.rows.reshape(len(self.rows), -1)
-        return Gram(total.reshape(len(units), *self.rows.shape[1:]))
+        return Gram(total.reshape(len(units), *self.rows.shape[1:]), self.lift)
 
     @classmethod
     def summed(cls, both: Float, square: Float) -> Gram:
@@ -53,7 +65,7 @@ class Gram:
 
     def entries(self, *which: Any) -> Gram:
         """Return those of some entries of D, one index for each axis that it has."""
-        return Gram(self.rows[..., *which])
+        return Gram(self.rows[..., *which], self.lift)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +82,26 @@ class Fits:
         """Return candidate coefficients (S, m, D), the step (S, P, D) refitted with them, and the gain (S, D) on what
         is fitted.
         """
+        return self._candidate(grams.of(self.units), ridge)
+
+    def gain(self, grams: Gram, ridge: tuple[float, float], prior: Float) -> tuple[Float, Float]:
+        """Return candidate coefficients (S, m, D), and (S, D) the gain on what is fitted with what the `prior` (P,) on
+        the model's own numbers then costs; in the few columns that span the model's.
+        """
         fitted = grams.of(self.units)
+        if fitted.lift is None:
+            coefficients, step, gain = self._candidate(fitted, ridge)
+            return coefficients, gain + np.einsum("p,spd->sd", prior, step**2)
+        few, lifted = Gram(fitted.rows), self.inverse @ fitted.lift
+        seen = Fits(self.units, fitted.lift.T @ lifted, self.step @ fitted.lift)
+        coefficients, _, gain = seen._candidate(few, ridge)
+        if (held := np.flatnonzero(prior)).size:
+            own = np.einsum("slmd,smd->sld", few.g, coefficients)
+            step = self.step[:, held, None] - lifted[:, held] @ own
+            gain = gain + np.einsum("p,spd->sd", prior[held], step**2)
+        return coefficients, gain
+
+    def _candidate(self, fitted: Gram, ridge: tuple[float, float]) -> tuple[Float, Float, Float]:
         g, h = fitted.g, fitted.h
         flat = g.reshape(*g.shape[:2], -1)
         lean = (self.inverse @ flat).reshape(g.shape)  # (S, P, m, D)

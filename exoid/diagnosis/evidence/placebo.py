@@ -64,15 +64,17 @@ def as_good(
     def exceed(grams: Gram) -> np.ndarray:
         return evidence.exceed(grams, seen, lambda values: admissible(candidate, values, rules))
 
+    different, back = evidence.different_shifts
     if search.own:
-        grams = Gram(np.stack([evidence.shifted(some, v).rows for v in range(len(search.nodes))], axis=-2))
-        return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))
-    out = np.zeros(evidence.draws, dtype=bool)
+        each = [evidence.shifted(some, v, by=different) for v in range(len(search.nodes))]
+        grams = Gram(np.stack([one.rows for one in each], axis=-2), each[0].lift)
+        return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))[back]
+    out = np.zeros(len(different[0]), dtype=bool)
     for v in range(len(search.nodes)):
         if not (left := np.flatnonzero(~out)).size:
             break
-        out[left] = exceed(evidence.shifted(some, v, trained=True, by=[one[left] for one in evidence.shifts]))
-    return out
+        out[left] = exceed(evidence.shifted(some, v, trained=True, by=[one[left] for one in different]))
+    return out[back]
 
 
 def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:

@@ -280,7 +280,7 @@ def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarr
 def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
     """Return the node (R, D) at which a candidate gains most where each recording is fitted alone."""
     shape = grams.rows.shape[3:]
-    flat = Gram(grams.rows.reshape(*grams.rows.shape[:-2], -1))
+    flat = Gram(grams.rows.reshape(*grams.rows.shape[:-2], -1), grams.lift)
     coefficients, gain = evidence.recording_gains(flat)
     right = [admissible(candidate, each.T, evidence.rules) for each in coefficients]
     best = tied(-np.where(right, gain, -np.inf).reshape(-1, *shape), float(evidence.fold_losses.sum()), axis=1)

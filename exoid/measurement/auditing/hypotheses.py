@@ -12,6 +12,7 @@ import numpy as np
 from exoid.ground.thresholds import threshold
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.reading.conventions import (
+    MOTORS,
     Convention,
     Map,
     combined_map,
@@ -145,7 +146,7 @@ def _groups_of_names(joints: tuple[Joint, ...]) -> Sequence[Options]:
 
 def _group(name: str, order: int, joints: Sequence[Joint]) -> str:
     """Return what is the same for conventions that exclude each other: all channels once, a joint's sign, its zero."""
-    if order == 0 or name == "load-torque":
+    if order == 0 or name == "load-torque" or name.partition("-")[0] == MOTORS:
         return name.partition("-")[0]
     if name == "absolute-angles":
         return name

@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from exoid.ground.errors import RecordingError
 from exoid.ground.suggest import did_you_mean
 from exoid.measurement.recording import Recording
-from exoid.symbolic.joints import LEG, Joint, ancestors, is_leg, is_spatial, names
+from exoid.symbolic.joints import LEG, Joint, Rows, ancestors, is_leg, is_spatial, motors_of, names
 from exoid.symbolic.motion import Float
 from exoid.symbolic.units import DEGREE
 
-Rows = tuple[tuple[float, ...], ...]
 QUARTER = 0.5 * math.pi
+MOTORS = "motors"
+"""Recordings of the motors' side of a model's couplings."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ UNUSUAL = {"hip-extension-positive": 0.2, "shank-from-horizontal-backwards": 0.0
 @lru_cache(maxsize=64)
 def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Convention]:
     """Return every convention with a name that recordings of a machine with these `joints` may keep, by name."""
-    found = [*_swaps(joints), *_signs(joints)]
+    found = [*_swaps(joints), *_signs(joints), *_motors(joints)]
     if is_spatial(joints):
         turning = [k for k, joint in enumerate(joints) if joint.turns]
         found += [_zero(k, degrees, joints) for k in turning for degrees in ZEROS]
@@ -174,6 +175,22 @@ def _signs(joints: Sequence[Joint]) -> list[Convention]:
         explains = "torques are what the load exerts on the drives"
         found.append(Convention("load-torque", 2, what, explains, torque=every))
     return found
+
+
+def _motors(joints: Sequence[Joint]) -> list[Convention]:
+    """Return the conventions of recordings that hold what motors do, where the model says how these turn: their power
+    is that of the joints.
+    """
+    if not any(joint.motor for joint in joints):
+        return []
+    turns = np.array(motors_of(joints))
+    angle, torque = (tuple(tuple(map(float, row)) for row in rows) for rows in (np.linalg.inv(turns), turns.T))
+    said = "the model's [[couplings]] say how motors turn"
+    return [
+        Convention(MOTORS, 1, "angles and torques are those of the motors", said, angle, torque),
+        Convention(f"{MOTORS}-angles", 1, "the angles are those of the motors", said, angle),
+        Convention(f"{MOTORS}-torques", 1, "the torques are those of the motors", said, torque=torque),
+    ]
 
 
 def _zeros(joints: Sequence[Joint]) -> list[Convention]:

@@ -1,4 +1,6 @@
-"""`exoid model --from-urdf FILE`: a model file for the machine in a robot's URDF, in a plane or in space."""
+"""`exoid model --from-urdf FILE`, `--from-dh FILE`: a model file for the machine in a robot's URDF, in a plane or in
+space, or in its table of Denavit and Hartenberg.
+"""
 
 from __future__ import annotations
 
@@ -16,14 +18,22 @@ if TYPE_CHECKING:
     from exoid.symbolic.model import Model
 
 GROUP = "build"
-HELP = """write a model file for the machine in a URDF
+HELP = """write a model file for the machine in a URDF, or in a Denavit-Hartenberg table
 
-exoid model --from-urdf robot.urdf --joints hip,knee,ankle --write leg.toml"""
+exoid model --from-urdf robot.urdf --joints hip,knee,ankle --write leg.toml
+exoid model --from-dh table.csv --write arm.toml"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--from-urdf", metavar="FILE", required=True, help="the robot's URDF")
+    made = parser.add_mutually_exclusive_group(required=True)
+    made.add_argument("--from-urdf", metavar="FILE", help="the robot's URDF")
+    made.add_argument(
+        "--from-dh", metavar="FILE", help="its Denavit-Hartenberg table: CSV with joint, theta [deg], d, a, alpha [deg]"
+    )
+    parser.add_argument(
+        "--dh", choices=("standard", "modified"), default="standard", help="how the table counts; modified: Craig's"
+    )
     parser.add_argument(
         "--joints", metavar="A,B,C", help="joints of the machine, from the base on (default: all that move)"
     )
@@ -37,17 +47,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the URDF, write the model file, and say what was found."""
+    from exoid.symbolic.dh_table import dh_machine
+    from exoid.symbolic.model import STANDARD_GRAVITY
     from exoid.symbolic.model_file import model_content, write_model
     from exoid.symbolic.robot_file import read_robot
-    from exoid.symbolic.spatial_machine import robot_machine
+    from exoid.symbolic.spatial_machine import RobotMachine, robot_machine
     from exoid.workbench.command_line.inputs import check_new_model
+    from exoid.workbench.command_line.parser import UsageError
 
-    names = [name.strip() for name in (args.joints or "").split(",") if name.strip()]
-    found = robot_machine(read_robot(args.from_urdf), names, args.gravity, args.from_urdf)
+    given = args.from_urdf or args.from_dh
+    if args.from_dh:
+        if args.joints:
+            remedy = "leave --joints out, and the rows of other joints out of the table"
+            raise UsageError("--joints chooses joints of a URDF", remedy=remedy)
+        gravity = STANDARD_GRAVITY if args.gravity is None else args.gravity
+        model = dh_machine(args.from_dh, args.dh, gravity)
+        found = RobotMachine(model, model.joint_names, ())
+    else:
+        names = [name.strip() for name in (args.joints or "").split(",") if name.strip()]
+        found = robot_machine(read_robot(given), names, args.gravity, given)
     target = args.write or _free_name(found.model.name, args.out)
     if args.out:
         make_folder(args.out)
-    check_new_model(target, args.from_urdf)
+    check_new_model(target, given)
     write_model(found.model, target)
     screen = Screen.of(args)
     title = f"{found.model.name}: gravity {found.model.gravity:g} m/s²"
