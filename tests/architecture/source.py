@@ -14,7 +14,6 @@ LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "wor
 """Lowest first; a package may import itself and what stands before it."""
 
 METHODS_FROM_ABOVE = {
-    "symbolic/model.py": ("exoid.symbolic.model_file", "exoid.symbolic.columns"),
     "diagnosis/reported.py": ("exoid.workbench.report.result",),
 }
 """Modules whose functions a class below them has as methods; such a method imports them when it is called, and that is

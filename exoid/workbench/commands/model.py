@@ -37,9 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the URDF, write the model file, and say what was found."""
+    from exoid.symbolic.model import robot_machine
     from exoid.symbolic.model_file import model_content, write_model
     from exoid.symbolic.robot_file import read_robot
-    from exoid.symbolic.spatial_machine import robot_machine
     from exoid.workbench.command_line.inputs import check_new_model
 
     names = [name.strip() for name in (args.joints or "").split(",") if name.strip()]
