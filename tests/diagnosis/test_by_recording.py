@@ -9,8 +9,8 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.rules import RULES
-from exoid.diagnosis.search.recordings import belonging_to
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.recording import Recording
