@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.own_sway import own_sway
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
-from exoid.diagnosis.own_numbers.clocks import on_one_clock_all
+from exoid.diagnosis.own_numbers.clocks import one_clock
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.question import Question
@@ -87,11 +87,19 @@ def answer_of(
     """
     began = time.perf_counter()
     given, many = question.fitted(recordings, verify, tick, prepared), len(recordings)
-    base, every, told = on_one_clock_all(
-        given, (*recordings, *verify), partial(_again, question, given, many, tick), question.rules
-    )
-    answer = _beside_own(question, base, every[:many], every[many:], tick, found, began)
-    return with_own(answer, told, given) if told else answer
+    every, again = (*recordings, *verify), partial(_again, question, given, many, tick)
+    answer = _beside_own(question, given, recordings, verify, tick, found, began)
+    if (answer.verdict == "adequate" and answer.error is None) or answer.outside:
+        return answer
+    clock = one_clock(given, every, again, question.rules)
+    if clock is None:
+        return answer
+    moved = clock.recordings
+    rival = _beside_own(question, clock.fitted, moved[:many], moved[many:], tick, found, began)
+    if rival.verdict == "adequate":
+        return with_own(rival, clock.told, given)
+    # What a clock that is known only about leaves resembles effects: none is named beside it.
+    return replace(answer, of_recordings=clock.told) if given.prepared.clocks else answer
 
 
 def _again(

@@ -72,7 +72,7 @@ def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel) -
         answer,
         sentence=f"{sentences} Beside that: {answer.sentence}",
         steps=(step, replace(first, label=f"+ {names}", sentence=sentences), *rest),
-        of_recordings=tuple(told),
+        of_recordings=(*told, *answer.of_recordings),
         given=given,
     )
 

@@ -7,12 +7,10 @@ from exoid.symbolic.model import Model
 
 
 def claims(model: Model) -> tuple[Claim, ...]:
-    """None: it shifts the motion instead of adding torque, and is measured where recordings are prepared."""
+    """None: it shifts the motion instead of adding torque (`exoid.diagnosis.own_numbers.clocks`)."""
     return ()
 
 
 def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the rates {recording: words} of the torques' clock."""
-    if len(set(values.values())) == 1:
-        return f"The clock of the torques {next(iter(values.values()))} than that of the angles in all recordings"
     return f"The clock of the torques runs at another rate than that of the angles: {each_said(values)}"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.hypotheses import hypotheses
@@ -10,7 +11,7 @@ from exoid.diagnosis.own_numbers.compared import predicts_better
 from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.rules import Rules
 from exoid.measurement.recording import Recording
-from exoid.optimisation.preparation.clocks import EVERY, GROUPS, on_one_clock
+from exoid.optimisation.preparation.clocks import EVERY, GROUPS, late_clocks, on_one_clock, what_is_left
 from exoid.symbolic.quantity import Estimate
 
 ROUNDS = 3
@@ -18,44 +19,51 @@ ROUNDS = 3
 Fitted = Callable[[Sequence[Recording]], FittedModel]
 
 
-def on_one_clock_all(
-    base: FittedModel, recordings: Sequence[Recording], fitted: Fitted, rules: Rules
-) -> tuple[FittedModel, Sequence[Recording], tuple[Belonging, ...]]:
-    """The model on recordings that were put on one clock, these, and what is told of their clocks; as it was and
-    nothing where no clock is another's, or the model predicts no better then.
+@dataclass(frozen=True, eq=False)
+class OneClock:
+    """A model on `recordings` that were put on one clock, fitted to them anew, and what is `told` of their clocks."""
 
-    `fitted` gives the model as it was given, fitted to other versions of the recordings.
+    fitted: FittedModel
+    recordings: Sequence[Recording]
+    told: tuple[Belonging, ...]
+
+
+def one_clock(base: FittedModel, recordings: Sequence[Recording], fitted: Fitted, rules: Rules) -> OneClock | None:
+    """Recordings on one clock; None where no clock is another's, or the model predicts no better then.
+
+    `fitted` gives the model as it was given, fitted to other versions of the recordings. Clocks that run at another
+    rate are looked for first; where none does, single recordings whose torques come later or earlier than those of the
+    others.
     """
-    rates = dict.fromkeys((one.name for one in recordings), 0.0)
-    errors = dict(rates)
+    late = not base.prepared.clocks
+    if late and (base.prepared.misread or len(recordings) < 2):
+        return None
+    machine, names = base.model.base(), [one.name for one in recordings]
+    clocks = late_clocks(machine, base.prepared.all) if late else base.prepared.clocks
+    value, error = dict.fromkeys(names, 0.0), dict.fromkeys(names, 0.0)
     now, moved = base, recordings
-    for _ in range(ROUNDS):
-        found = {name: clock for clock in now.prepared.clocks for name in rates if clock.name in (name, EVERY)}
-        if not found:
-            break
-        for name, clock in found.items():
-            rates[name] = 1.0 - (1.0 - rates[name]) * (1.0 - clock.rate)
-            errors[name] = errors[name] or clock.error
-        moved = [on_one_clock(one, rates[one.name]) if rates[one.name] else one for one in recordings]
+    for _ in range(ROUNDS if clocks else 0):
+        for name, clock in {name: one for one in clocks for name in names if one.name in (name, EVERY)}.items():
+            value[name] += clock.late if late else clock.rate
+            error[name] = clock.late_error if late else clock.error
+        moved = [on_one_clock(one, *((0.0, value[one.name]) if late else (value[one.name],))) for one in recordings]
         now = fitted(moved)
+        clocks = late_clocks(machine, now.prepared.all) if late else what_is_left(machine, now.prepared.all, clocks)
     if now is base or now.prepared.clocks or not predicts_better(base, now, rules):
-        return base, recordings, ()
-    values = {name: _estimate(rates[name], errors[name]) for name in rates if rates[name]}
-    said = {name: _said(one) for name, one in values.items()}
-    sentence = hypotheses()["clock_rate"].said(None, said, "", "")
-    apart = max(abs(rates[one.name]) * one.duration for one in recordings)
-    return now, moved, (Belonging("clock_rate", None, "1", values, f"{sentence}, up to {1e3 * apart:.2g} ms"),)
+        return None
+    told = _told("clock_offset" if late else "clock_rate", {n: (value[n], error[n]) for n in names if value[n]})
+    return OneClock(now, moved, (told,))
 
 
-def _estimate(rate: float, error: float) -> Estimate:
+def _told(what: str, known: Mapping[str, tuple[float, float]]) -> Belonging:
     from scipy.special import stdtrit
 
-    half = float(stdtrit(GROUPS - 1, 0.975)) * error
-    return Estimate("clock_rate", rate, "1", rate - half, rate + half)
-
-
-def _said(one: Estimate) -> str:
-    """ "runs 0.2 % faster", with its interval."""
-    low, high = sorted((100.0 * abs(one.low), 100.0 * abs(one.high)))
-    way = "faster" if one.value > 0.0 else "slower"
-    return f"runs {100.0 * abs(one.value):.2g} % {way} ({low:.2g} to {high:.2g} %)"
+    wide, unit = float(stdtrit(GROUPS - 1, 0.975)), "s" if what == "clock_offset" else "1"
+    values = {name: Estimate(what, x, unit, x - wide * e, x + wide * e) for name, (x, e) in known.items()}
+    factor, shown, ways = (1e3, "ms", ("later", "earlier")) if unit == "s" else (1e2, "%", ("faster", "slower"))
+    said = {}
+    for name, one in values.items():
+        low, high = sorted((factor * abs(one.low), factor * abs(one.high)))
+        way = ways[0] if one.value > 0.0 else ways[1]
+        said[name] = f"{factor * abs(one.value):.2g} {shown} {way} ({low:.2g} to {high:.2g})"
+    return Belonging(what, None, unit, values, hypotheses()[what].said(None, said, "", ""))

@@ -42,7 +42,7 @@ SHARE = threshold(
 )  # fmt: skip
 LEAST_SAMPLES = 200
 STEPS, MOST, LATEST = 6, 0.05, 0.3
-"""Times that a torque is read anew by the clock found, the largest rate that is looked for, and the largest delay, s."""
+"""Times that a torque is read anew by the clock found; largest rate and delay (s) that are looked for."""
 BAND = 3.0
 """Hz up to which the torque's own derivative is taken: noise in it would make the difference look smaller."""
 
@@ -124,18 +124,34 @@ def _apart(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRat
     found = [rate for one in prepared if (rate := clock_rate(base, one)) is not None]
     if not found:
         return ()
+    together = _together(found)
+    if _is_apart(together, len(found)):
+        return (together,)
+    return tuple(one for one in found if len(found) > 1 and _is_apart(one, 1))
+
+
+def what_is_left(
+    base: Model, prepared: Sequence[PreparedRecording], clocks: Sequence[ClockRate]
+) -> tuple[ClockRate, ...]:
+    """How the same clocks run in recordings that were put on one clock as far as it was known, however little."""
+    found = [rate for one in prepared if (rate := clock_rate(base, one)) is not None]
+    names = {one.name for one in clocks}
+    if EVERY in names and found:
+        return (_together(found),)
+    return tuple(one for one in found if one.name in names)
+
+
+def _together(found: Sequence[ClockRate]) -> ClockRate:
+    """The clock of all recordings."""
     weight = np.array([1.0 / one.error**2 for one in found])
     rates = np.array([one.rate for one in found])
     mean = float(weight @ rates / weight.sum())
     scatter = float(weight @ (rates - mean) ** 2 / max(1, len(found) - 1))
     error = float(np.sqrt(max(1.0, scatter) / weight.sum()))
-    together = ClockRate(
+    return ClockRate(
         EVERY, mean, error, float(np.median([one.share for one in found])),
         float(np.median([one.seconds for one in found])),
     )  # fmt: skip
-    if _is_apart(together, len(found)):
-        return (together,)
-    return tuple(one for one in found if len(found) > 1 and _is_apart(one, 1))
 
 
 def _is_apart(one: ClockRate, recordings: int) -> bool:
