@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.hypotheses import hypotheses
-from exoid.diagnosis.own_numbers.compared import predicts_better
+from exoid.diagnosis.own_numbers.compared import predicts_better, total
 from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.rules import Rules
 from exoid.measurement.recording import Recording
-from exoid.optimisation.preparation.clocks import EVERY, GROUPS, late_clocks, on_one_clock, what_is_left
+from exoid.optimisation.preparation.clocks import EVERY, GROUPS, late_clocks, on_one_clock
 from exoid.symbolic.quantity import Estimate
 
-ROUNDS = 3
-"""Times that what is left of a difference is taken out."""
+WIDTHS = (0.3, 0.1, 0.03)
+"""Parts of a difference, known to first order, by which it is varied to find the one that predicts best."""
 Fitted = Callable[[Sequence[Recording]], FittedModel]
 
 
@@ -38,21 +40,34 @@ def one_clock(base: FittedModel, recordings: Sequence[Recording], fitted: Fitted
     late = not base.prepared.clocks
     if late and (base.prepared.misread or len(recordings) < 2):
         return None
-    machine, names = base.model.base(), [one.name for one in recordings]
-    clocks = late_clocks(machine, base.prepared.all) if late else base.prepared.clocks
-    value, error = dict.fromkeys(names, 0.0), dict.fromkeys(names, 0.0)
-    now, moved = base, recordings
-    for _ in range(ROUNDS if clocks else 0):
-        for name, clock in {name: one for one in clocks for name in names if one.name in (name, EVERY)}.items():
-            value[name] += clock.late if late else clock.rate
-            error[name] = clock.late_error if late else clock.error
-        moved = [on_one_clock(one, *((0.0, value[one.name]) if late else (value[one.name],))) for one in recordings]
-        now = fitted(moved)
-        clocks = late_clocks(machine, now.prepared.all) if late else what_is_left(machine, now.prepared.all, clocks)
-    if now is base or now.prepared.clocks or not predicts_better(base, now, rules):
+    names = [one.name for one in recordings]
+    clocks = late_clocks(base.model.base(), base.prepared.all) if late else base.prepared.clocks
+    known = {name: one for one in clocks for name in names if one.name in (name, EVERY)}
+    if not known:
         return None
-    told = _told("clock_offset" if late else "clock_rate", {n: (value[n], error[n]) for n in names if value[n]})
-    return OneClock(now, moved, (told,))
+    first = {name: (one.late, one.late_error) if late else (one.rate, one.error) for name, one in known.items()}
+
+    def moved(factor: float) -> list[Recording]:
+        """Recordings by clocks that are so many times as far apart as was found to first order."""
+        values = {name: factor * value for name, (value, _) in first.items()}
+        return [on_one_clock(r, *((0.0, values[r.name]) if late else (values[r.name],))) if r.name in values else r
+                for r in recordings]  # fmt: skip
+
+    factor = 1.0
+    for width in WIDTHS:
+        tried = (factor - width, factor, factor + width)
+        low, middle, high = (total(fitted(moved(one)).recording_losses(base.scale, rules)) for one in tried)
+        bend = low - 2.0 * middle + high
+        factor += float(np.clip(0.5 * width * (low - high) / bend, -width, width)) if bend > 0.0 else 0.0
+    on_one = moved(factor)
+    now = fitted(on_one)
+    if now.prepared.clocks or not predicts_better(base, now, rules):
+        return None
+    told = _told(
+        "clock_offset" if late else "clock_rate",
+        {name: (factor * value, error) for name, (value, error) in first.items()},
+    )
+    return OneClock(now, on_one, (told,))
 
 
 def _told(what: str, known: Mapping[str, tuple[float, float]]) -> Belonging:

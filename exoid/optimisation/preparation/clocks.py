@@ -130,17 +130,6 @@ def _apart(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRat
     return tuple(one for one in found if len(found) > 1 and _is_apart(one, 1))
 
 
-def what_is_left(
-    base: Model, prepared: Sequence[PreparedRecording], clocks: Sequence[ClockRate]
-) -> tuple[ClockRate, ...]:
-    """How the same clocks run in recordings that were put on one clock as far as it was known, however little."""
-    found = [rate for one in prepared if (rate := clock_rate(base, one)) is not None]
-    names = {one.name for one in clocks}
-    if EVERY in names and found:
-        return (_together(found),)
-    return tuple(one for one in found if one.name in names)
-
-
 def _together(found: Sequence[ClockRate]) -> ClockRate:
     """The clock of all recordings."""
     weight = np.array([1.0 / one.error**2 for one in found])
