@@ -44,8 +44,8 @@ def page() -> str:
 
 
 def overview(effects: list[Effect]) -> list[str]:
-    lines = [f"{len(effects)} effects.", "", "| effect | joint | what it means |", "|---|---|---|"]
-    return lines + [f"| [`{e.id}`](#{e.id}) | {joints(e)} | {cell(e.explains)} |" for e in effects]
+    lines = [f"{len(effects)} effects.", "", "| effect | joint | what it is |", "|---|---|---|"]
+    return lines + [f"| [`{e.id}`](#{e.id}) | {joints(e)} | {cell(e.title or e.id)} |" for e in effects]
 
 
 def names(effect: Effect) -> list[str]:
@@ -54,7 +54,7 @@ def names(effect: Effect) -> list[str]:
 
 def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]:
     # The heading is the id alone, so that its anchor is the id.
-    lines = [f"### {effect.id}", "", f"**{effect.title or effect.id}** ({joints(effect)}). {effect.explains}", ""]
+    lines = [f"### {effect.id}", "", effect.explains, ""]
     for joint, text in formula(effect).items():
         where = f" on the {joint}" if joint else ""
         lines.append(f"* Torque added{where}: " + (f"`{text}`" if effect.torque else text))

@@ -151,8 +151,8 @@ def fit_in_turn(
 
 
 def add(
-    model: Model | Fit | Effect | str | Any,
-    effect: Effect | str | Given,
+    model: Any,
+    effect: Any,
     recordings: Given | None = None,
     verify: Given = (),
     *,
