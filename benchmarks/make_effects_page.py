@@ -60,24 +60,18 @@ def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]
         lines.append(f"* Torque added{where}: " + (f"`{text}`" if effect.torque else text))
     lines += [f"* Not on the {joint}: {reason}" for joint, reason in effect.absorbed_on.items()]
     lines += [f"* No motion at all tells `{name}` from {', '.join(f'`{o}`' for o in others)}" for name, others in never]
-    if effect.coefficients or effect.shape:
-        lines += ["", "| number | unit | range | typical | meaning |", "|---|---|---|---|---|"]
-        lines += [row(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
+    lines += [said(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
     if effect.tells_apart:
         lines += ["", f"Look-alikes, and the experiment that distinguishes them: {effect.tells_apart}"]
     return [*lines, "", f"Reference: {effect.reference}"]
 
 
-def row(name: str, number: Coefficient | Shape) -> str:
-    typical = "" if number.typical is None else f"{number.typical:g}"
-    meaning = number.explains
-    if isinstance(number, Shape):
-        meaning = "; ".join(
-            part
-            for part in (meaning, "shape", "each recording its own" if number.per_recording else "")
-            if part
-        )  # fmt: skip
-    return f"| {name} | {number.unit} | {span(number)} | {typical} | {cell(meaning)} |"
+def said(name: str, number: Coefficient | Shape) -> str:
+    unit = "" if number.unit == "1" else f" {number.unit}"
+    typical = "" if number.typical is None else f", typically {number.typical:g}"
+    own = "; each recording has its own" if isinstance(number, Shape) and number.per_recording else ""
+    kind = " (shape)" if isinstance(number, Shape) else ""
+    return f"* `{name}`{kind}: {number.explains or 'number'}; {span(number)}{typical}{unit}{own}"
 
 
 def span(number: Coefficient | Shape) -> str:
