@@ -29,7 +29,7 @@ from benchmarks.mujoco_chains import EFFECTS, Now  # noqa: E402 - the repository
 from benchmarks.mujoco_leg import ask, names_right  # noqa: E402
 from exoid.diagnosis.discovery import discover  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
-from exoid.symbolic.model import Model  # noqa: E402, model_of
+from exoid.symbolic.model import Model, model_of  # noqa: E402
 from exoid.symbolic.robot_file import parse_robot  # noqa: E402
 from exoid.symbolic.spatial_machine import spatial_machine  # noqa: E402
 

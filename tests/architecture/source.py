@@ -17,8 +17,8 @@ METHODS_FROM_ABOVE = {
     "diagnosis/reported.py": ("exoid.workbench.report.result",),
 }
 """Modules whose functions a class below them has as methods; such a method imports them when it is called, and that is
-the only import that may point up or close a circle. A fit asks a model by its methods alone, so that it is tested on
-a leg that was written independently (`tests/optimisation/paper_leg.py`); `report` is what people call on a result.
+the only import that may point up or close a circle. `report` is what people call on a result, and results know nothing
+of pages.
 """
 
 SOURCES = sorted(PACKAGE.rglob("*.py"))
