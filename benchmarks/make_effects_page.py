@@ -44,8 +44,8 @@ def page() -> str:
 
 
 def overview(effects: list[Effect]) -> list[str]:
-    lines = [f"{len(effects)} effects.", "", "| effect | joint | what it means |", "|---|---|---|"]
-    return lines + [f"| [`{e.id}`](#{e.id}) | {joints(e)} | {cell(e.explains)} |" for e in effects]
+    lines = [f"{len(effects)} effects.", "", "| effect | joint | what it is |", "|---|---|---|"]
+    return lines + [f"| [`{e.id}`](#{e.id}) | {joints(e)} | {cell(e.title or e.id)} |" for e in effects]
 
 
 def names(effect: Effect) -> list[str]:
@@ -54,30 +54,24 @@ def names(effect: Effect) -> list[str]:
 
 def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]:
     # The heading is the id alone, so that its anchor is the id.
-    lines = [f"### {effect.id}", "", f"**{effect.title or effect.id}** ({joints(effect)}). {effect.explains}", ""]
+    lines = [f"### {effect.id}", "", effect.explains, ""]
     for joint, text in formula(effect).items():
         where = f" on the {joint}" if joint else ""
         lines.append(f"* Torque added{where}: " + (f"`{text}`" if effect.torque else text))
     lines += [f"* Not on the {joint}: {reason}" for joint, reason in effect.absorbed_on.items()]
     lines += [f"* No motion at all tells `{name}` from {', '.join(f'`{o}`' for o in others)}" for name, others in never]
-    if effect.coefficients or effect.shape:
-        lines += ["", "| number | unit | range | typical | meaning |", "|---|---|---|---|---|"]
-        lines += [row(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
+    lines += [said(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
     if effect.tells_apart:
         lines += ["", f"Look-alikes, and the experiment that distinguishes them: {effect.tells_apart}"]
     return [*lines, "", f"Reference: {effect.reference}"]
 
 
-def row(name: str, number: Coefficient | Shape) -> str:
-    typical = "" if number.typical is None else f"{number.typical:g}"
-    meaning = number.explains
-    if isinstance(number, Shape):
-        meaning = "; ".join(
-            part
-            for part in (meaning, "shape", "each recording its own" if number.per_recording else "")
-            if part
-        )  # fmt: skip
-    return f"| {name} | {number.unit} | {span(number)} | {typical} | {cell(meaning)} |"
+def said(name: str, number: Coefficient | Shape) -> str:
+    unit = "" if number.unit == "1" else f" {number.unit}"
+    typical = "" if number.typical is None else f", typically {number.typical:g}"
+    own = "; each recording has its own" if isinstance(number, Shape) and number.per_recording else ""
+    kind = " (shape)" if isinstance(number, Shape) else ""
+    return f"* `{name}`{kind}: {number.explains or 'number'}; {span(number)}{typical}{unit}{own}"
 
 
 def span(number: Coefficient | Shape) -> str:

@@ -10,6 +10,7 @@ before every frame.
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import signal
 import statistics
@@ -19,7 +20,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from playwright.sync_api import Page, sync_playwright
 
@@ -57,7 +57,7 @@ def main() -> None:
 
 def _story(page: Page) -> dict[str, float]:
     out = {}
-    with _server() as (url, began):
+    with served() as (url, began):
         out["address printed after the command"] = time.perf_counter() - began
         page.goto(url, wait_until="commit")
         page.wait_for_selector("[data-testid=recordings]", timeout=120_000)
@@ -105,12 +105,12 @@ def _until(page: Page, condition: str, act: str | None = None) -> float:
 
 
 @contextmanager
-def _server() -> Iterator[tuple[str, float]]:
+def served() -> Iterator[tuple[str, float]]:
     began = time.perf_counter()
-    words: list[Any] = [*sorted(DEMO.glob("train*.csv")), "--verify", *sorted(DEMO.glob("verify*.csv"))]
+    words = [*sorted(one.name for one in DEMO.glob("train*.csv")), "--verify", "verify.csv"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "exoid.workbench.command", "open", "--no-browser", "--quiet", *map(str, words)],
-        cwd=ROOT, stdout=subprocess.PIPE, text=True,
+        [sys.executable, "-m", "exoid", "open", "--no-browser", "--quiet", *words],
+        cwd=DEMO, env={**os.environ, "PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
         assert process.stdout is not None

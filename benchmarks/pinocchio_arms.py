@@ -29,7 +29,7 @@ from benchmarks.mujoco_chains import EFFECTS, Now  # noqa: E402 - the repository
 from benchmarks.mujoco_leg import ask, names_right  # noqa: E402
 from exoid.diagnosis.discovery import discover  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
-from exoid.symbolic.model import Model  # noqa: E402
+from exoid.symbolic.model import Model, model_of  # noqa: E402
 from exoid.symbolic.robot_file import parse_robot  # noqa: E402
 from exoid.symbolic.spatial_machine import spatial_machine  # noqa: E402
 
@@ -160,7 +160,7 @@ def run(case: str, seed: int) -> tuple[bool, str]:
     """Return whether the answer is right, and one line about it."""
     rng = np.random.default_rng([seed, zlib.crc32(case.encode())])
     arm = Arm.of(case, rng)
-    model = spatial_machine(parse_robot(arm.text.encode())).model
+    model = model_of(spatial_machine(parse_robot(arm.text.encode())).model)
     runs = [simulate(arm, rng, f"run_{k}", model) for k in range(4)]
     found = discover(model, runs[:3], runs[3:])
     truth = [] if arm.effect == "nothing" else [f"{arm.effect}:j{arm.j}"]

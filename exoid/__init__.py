@@ -19,7 +19,7 @@ figures          `figure_style`, `new_figure`, `label`
 bad input        `ExoidError`: what is wrong, where, what to do
 
 Wherever recordings are asked for, paths, folders, DataFrames, mappings {name: array} and arrays will do, one or many.
-`dir(exoid)` has them all. Every name lives in one of the packages `exoid.symbolic`, `exoid.measurement`,
+`dir(exoid)` shows what is used most. Every name lives in one of the packages `exoid.symbolic`, `exoid.measurement`,
 `exoid.optimisation` and `exoid.diagnosis`, which can be imported from as well, and is loaded at its first use:
 `import exoid` itself costs nothing.
 """
@@ -32,6 +32,14 @@ _ELSEWHERE = {
     "__version__": "exoid.ground.version",
     "mechanics": "exoid.symbolic.mechanics.lagrange",  # `exoid.symbolic.mechanics` is a folder
 }
+
+_USED = (
+    "Bench", "Coefficient", "Effect", "ExoidError", "Joint", "Model", "Payload", "Recording", "Session", "Shape",
+    "add", "catalogue", "compare", "compare_against", "design", "diagnose", "discover", "equations", "follow",
+    "identify", "prepare", "read_model", "read_recording", "read_recordings", "replay", "reproduce_paper", "rivals",
+    "separate", "simulate", "simulate_runs", "write_model", "write_recording",
+)  # fmt: skip
+"""What `dir(exoid)` and completion show; every other public name is found as well when it is asked for."""
 
 _PACKAGES = ("symbolic", "measurement", "optimisation", "diagnosis")
 
@@ -60,4 +68,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__getattr__("__all__")})  # type: ignore[misc]
+    return sorted({"__version__", *_USED} & {"__version__", *__getattr__("__all__")})  # type: ignore[misc]

@@ -102,6 +102,8 @@ READ = {
     "add by its full name": lambda b: exoid.add(b.leg, "load_friction:knee", b.files[0]),
     "add with a joint": lambda b: exoid.add(b.leg, "load_friction", b.runs[0], joint="knee"),
     "add of one's own": lambda b: exoid.add(b.leg, exoid.Effect("magnet", joints="hip", **MAGNET), b.runs[0]),
+    "add without a model": lambda b: exoid.add("load_friction:knee", b.files[:1], b.files[3]).helped,
+    "add of one's own without a model": lambda b: exoid.add(exoid.Effect("magnet", joints="hip", **MAGNET), b.runs[0]),
     "add to an answer": lambda b: exoid.add(exoid.compare(b.leg, b.runs[0]), "load_friction:knee", b.runs[0]),
     "a named joint": lambda b: exoid.Model(joints=["axis"]),
     "the leg by names": lambda b: exoid.Model(joints=["hip", "knee"], terms=["stribeck:hip"]),
@@ -120,6 +122,10 @@ def test_it_works(bench, called):
 
 SAID = {
     "the old order": (lambda b: exoid.add(b.leg, "load_friction", "knee", b.runs), "add(model, 'stribeck:knee'"),
+    "a misspelt effect": (lambda b: exoid.add("load_fricton:knee", b.files[:1]), "load_friction"),
+    "a misspelt function": (
+        lambda b: exoid.Effect("m", torque="c * sinn theta", coefficients={"c": "N·m"}), "unknown function 'sinn'",
+    ),
     "no joint": (lambda b: exoid.add(b.leg, "load_friction", b.runs), "load_friction:hip or load_friction:knee"),
     "an Effect of the catalogue": (lambda b: exoid.Effect("stribeck", joints="hip"), "with_effect('stribeck:hip')"),
     "an Effect by its full name": (lambda b: exoid.Effect("stribeck:hip"), "with_effect('stribeck:hip')"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -16,6 +17,9 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.own_sway import own_sway
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
+from exoid.diagnosis.own_numbers.clocks import one_clock
+from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
+from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.question import Question
 from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
@@ -23,7 +27,6 @@ from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import DELAY
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
-from exoid.diagnosis.search.recordings import belonging_to, explained_by, predicts_better
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from exoid.diagnosis.splits import from_scratch
@@ -36,7 +39,7 @@ from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.preparation.prepare import Prepared
+from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.model import Model
 
 ROUNDS = 2
@@ -83,7 +86,45 @@ def answer_of(
     it predicts clearly better, the answer is that beside it.
     """
     began = time.perf_counter()
-    base = question.fitted(recordings, verify, tick, prepared)
+    given, many = question.fitted(recordings, verify, tick, prepared), len(recordings)
+    every, again = (*recordings, *verify), partial(_again, question, given, many, tick)
+    answer = _beside_own(question, given, recordings, verify, tick, found, began)
+    if (answer.verdict == "adequate" and answer.error is None) or answer.outside:
+        return answer
+    clock = one_clock(given, every, again, question.rules)
+    if clock is None:
+        return answer
+    moved = clock.recordings
+    rival = _beside_own(question, clock.fitted, moved[:many], moved[many:], tick, found, began)
+    if rival.verdict == "adequate":
+        return with_own(rival, clock.told, given)
+    # What a clock that is known only about leaves resembles effects: none is named beside it.
+    return replace(answer, of_recordings=clock.told) if given.prepared.clocks else answer
+
+
+def _again(
+    question: Question, given: FittedModel, many: int, tick: Progress, recordings: Sequence[Recording]
+) -> FittedModel:
+    """Return the model that was given, fitted to other versions of the recordings, of which the first `many` are fitted
+    and all are filtered as before.
+    """
+    asked, before = question.asked, given.prepared
+    prepared = prepare(
+        question.model, recordings[:many], recordings[many:], cutoff=before.choice.cutoff, derivative=asked.derivative
+    )
+    return question.fitted((), (), tick, replace(prepared, choice=before.choice))
+
+
+def _beside_own(
+    question: Question,
+    base: FittedModel,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    tick: Progress,
+    found: Callable[[Sequence[Step]], None] | None,
+    began: float,
+) -> Diagnosis:
+    """Return the answer beside what belongs to recordings, where that predicts clearly better."""
     answer = _of_machine(question, base, recordings, verify, tick, found, began)
     rules, given = question.rules, base.prepared
     last = _on(answer.fit, given)
@@ -218,9 +259,7 @@ def _answer(
     accepted = _agreed(accepted_of(extensions, rules), agreements, done.context.prepared)
     if prepared.angles_were_filtered:
         accepted = tuple(replace(one, doubted=True) for one in accepted)
-    soft = done.soft or soft_drive(
-        state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules
-    )
+    soft = done.soft or soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
         return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
     accepted = tuple(map(in_words, accepted))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from exoid.diagnosis.results import Step, steps_figure, steps_table
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.errors import ExoidError
+from exoid.ground.files import MODEL_FILES
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, picture
 from exoid.ground.plain import AsJson, by_name
@@ -149,9 +151,9 @@ def fit_in_turn(
 
 
 def add(
-    model: Model,
-    effect: Effect | str,
-    recordings: Given,
+    model: Any,
+    effect: Any,
+    recordings: Given | None = None,
     verify: Given = (),
     *,
     joint: str | None = None,
@@ -161,9 +163,12 @@ def add(
     """Extend `model` by `effect` ("stribeck:hip", or an Effect at `joint`), generate and compile its code, refit, and
     compare.
 
-    Recordings are what `exoid.measurement.reading.given` takes. Refuses effects that do not exist there or that the
-    model has already.
+    Recordings are what `exoid.measurement.reading.given` takes. Without a model, `add("stribeck:hip", recordings,
+    verify)`, they are of the standard leg. Refuses effects that do not exist there or that the model has already.
     """
+    if _names_an_effect(model):
+        verify = recordings if recordings is not None else verify
+        model, effect, recordings = Model.standard(), model, effect
     own = machine_of(model_of(model))
     if recordings is None or (isinstance(recordings, str) and recordings in own.joint_names):
         raise ExoidError(
@@ -199,6 +204,11 @@ def add(
     if not verify:
         text += " No recording was held out (verify), so nothing shows that it holds on other motion."
     return Addition(extended, before, after, waterfall, text, helped, code.backend, biased_parameters(before, after))
+
+
+def _names_an_effect(given: Any) -> bool:
+    """Whether the first argument of `add` is an effect: one of one's own, or a text that is no model file."""
+    return isinstance(given, Effect) or (isinstance(given, str) and Path(given).suffix.lower() not in MODEL_FILES)
 
 
 def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:

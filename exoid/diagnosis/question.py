@@ -16,12 +16,12 @@ from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
 from exoid.diagnosis.evidence.stretches import searched_stretches
+from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.readings import readings_of
 from exoid.diagnosis.results import Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.engine import Found, run_search
-from exoid.diagnosis.search.recordings import Own
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import DiscoverySettings
 from exoid.diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
@@ -56,7 +56,7 @@ class Question:
 
     model: Model
     asked: DiscoverySettings
-    own: Own | None = None
+    own: OwnNumbers | None = None
 
     @property
     def rules(self) -> Rules:

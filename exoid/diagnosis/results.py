@@ -16,10 +16,10 @@ from exoid.diagnosis.evidence.model_error import ModelError
 from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
+from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.plots import falling_error, suspects
 from exoid.diagnosis.reported import Reported
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.search.recordings import Belonging
 from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
 from exoid.diagnosis.torques import torques_over_time
 from exoid.ground.frames import pandas

@@ -3,7 +3,7 @@
 A decision is a comparison with one of few standards: what chance does, what noise or the filter does, half, most or a
 little of something else, so many standard errors. Where two questions are of the same kind they are answered by the
 same number, whatever they are about. What a search spends (placebos, splits, rounds) stands below: it decides nothing
-but how finely is looked. The table of docs/statistics.md and that of the report are written from this record. Numerical
+but how finely is looked. The documentation's page of thresholds is written from this record. Numerical
 steps (of a derivative, of a grid) are not here.
 """
 

@@ -14,27 +14,22 @@ import exoid.measurement.signals
 import exoid.measurement.stance
 import exoid.optimisation.fitting
 import exoid.optimisation.preparation
-from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.rules import RULES
 from exoid.ground.folder import APPS, apps
 from exoid.ground.thresholds import Rule, thresholds_in
 
 
-def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
-    """Yield those that a recording meets on its way through `discover`."""
+def every_threshold() -> Iterator[Rule]:
+    """Yield all of them, those of apps last."""
     yield from thresholds_in(exoid.measurement.auditing, "the audit of a recording")
     yield from thresholds_in(exoid.measurement.stance, "rows that are left out")
     yield from thresholds_in(exoid.measurement.signals, "what of a signal counts")
     yield from thresholds_in(exoid.optimisation.preparation, "preparation: filter, cut-off, samples that are used")
     yield from thresholds_in(exoid.optimisation.fitting, "what is said of a fit")
     yield from thresholds_in(exoid.diagnosis.evidence, "measured forces")
-    yield from rules.table()
+    yield from RULES.table()
     yield from thresholds_in(exoid.diagnosis.where, "where the error sits")
     yield from thresholds_in(exoid.diagnosis.sureness, "how sure that is, in a word")
-
-
-def every_threshold() -> Iterator[Rule]:
-    """Yield all of them, those of apps included."""
-    yield from thresholds_of_a_diagnosis()
     yield from thresholds_in(exoid.diagnosis.separation, "the experiment that separates rivals")
     for app in apps():
         yield from thresholds_in(import_module(f"{APPS}.{app}"), f"the app {app}")

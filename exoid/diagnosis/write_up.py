@@ -20,11 +20,11 @@ from exoid.diagnosis.evidence.score import Score, share_of_own_joints
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
+from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.search.recordings import Belonging
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
@@ -72,7 +72,7 @@ def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel) -
         answer,
         sentence=f"{sentences} Beside that: {answer.sentence}",
         steps=(step, replace(first, label=f"+ {names}", sentence=sentences), *rest),
-        of_recordings=tuple(told),
+        of_recordings=(*told, *answer.of_recordings),
         given=given,
     )
 

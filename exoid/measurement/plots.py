@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid.ground.figures import LINE_STYLES, ROLE_COLOURS, figure_style, joint_colours, label, new_figure
 from exoid.symbolic.joints import Joint, names, units
-from exoid.symbolic.model import Limits
+from exoid.symbolic.model_structure import Limits
 from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
     from exoid.symbolic.mechanics.mechanism import Mechanism
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 SEED = 20260
 STATES = 200
@@ -49,7 +49,7 @@ class Check:
         return f"{'yes' if self.holds else 'NO '}  {self.name} ({self.how}): {self.detail}"
 
 
-def check_equations(model: Model) -> tuple[Check, ...]:
+def check_equations(model: ModelStructure) -> tuple[Check, ...]:
     """Return every check of the model's equations; all of them should hold."""
     from sympy import Matrix
 
@@ -72,7 +72,7 @@ def check_equations(model: Model) -> tuple[Check, ...]:
     return tuple(found)
 
 
-def _tree_checks(model: Model) -> tuple[Check, ...]:
+def _tree_checks(model: ModelStructure) -> tuple[Check, ...]:
     """Return the checks of a machine that is not the leg, at random states of random links that could exist."""
     rng, joints = np.random.default_rng(SEED), model.chain
     bare, count = compiled(model.base().unpushed), len(model.chain)
@@ -115,7 +115,7 @@ def _random_links(rng: np.random.Generator, count: int, spatial: bool) -> dict[s
     return about_joint(mass, centre.T, np.eye(3)[:, :, None] * own)
 
 
-def _newton_euler(model: Model, motion: Motion, links: dict[str, Float], swaying: BaseMotion) -> Float:
+def _newton_euler(model: ModelStructure, motion: Motion, links: dict[str, Float], swaying: BaseMotion) -> Float:
     """Return the torque (N, J) of links with their own numbers."""
     q, dq, ddq = ([*rows.T] for rows in (motion.q, motion.dq, motion.ddq))
     still = np.zeros(len(motion))
@@ -133,7 +133,7 @@ def _newton_euler(model: Model, motion: Motion, links: dict[str, Float], swaying
     return wanted
 
 
-def _force_checks(model: Model) -> tuple[Check, ...]:
+def _force_checks(model: ModelStructure) -> tuple[Check, ...]:
     """Return whether Newton and Euler ask the drives for the same as the virtual work of every measured force does."""
     if not model.forces:
         return ()
@@ -273,7 +273,7 @@ def paper_checks() -> list[Check]:
     return [same, other, printing]
 
 
-def agreement(model: Model) -> Check:
+def agreement(model: ModelStructure) -> Check:
     """Return whether compiled C and CasADi's virtual machine give the same regressor and torque."""
     rng = np.random.default_rng(SEED)
     motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, len(model.joints))) for _ in range(3)))

@@ -37,16 +37,24 @@ from exoid.symbolic.motion import Float, Motion
 from exoid.symbolic.waves import FEW, Waves
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model, MovingTorque
+    from exoid.symbolic.model_structure import ModelStructure
     from exoid.symbolic.term import Term
 
 
-def model_columns(model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+MovingTorque = tuple[Float, tuple[int, ...], Callable[[Float], Float]]
+"""What a shape value has no part in, the joints of the rest, and what gives that."""
+
+
+def model_columns(
+    model: ModelStructure, motion: Motion, shape: Float | None = None, reference: Float | None = None
+) -> Float:
     """Return the regressor (J, N, P); see `Model.columns`."""
     return whole_columns(model, motion, shape, reference)[:, :, : len(model.parameters)]
 
 
-def whole_columns(model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+def whole_columns(
+    model: ModelStructure, motion: Motion, shape: Float | None = None, reference: Float | None = None
+) -> Float:
     """Return `model_columns`, with one more where there are measured forces; see `Model.whole_columns`."""
     shapes = vector(shape, model.typical_shape, "shape")
     linear = carrying(model, motion, vector(reference, np.zeros(len(model.parameters)), "reference"))
@@ -55,7 +63,7 @@ def whole_columns(model: Model, motion: Motion, shape: Float | None = None, refe
     return out
 
 
-def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -> Float:
+def _untransformed(model: ModelStructure, motion: Motion, shapes: Float, linear: Float) -> Float:
     """Return the regressor (J, N, P) before terms that act on whole torques."""
     at = shape_values(model, shapes)
     place = places(model)
@@ -73,14 +81,14 @@ def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -
     return out
 
 
-def following_places(model: Model) -> tuple[int, ...]:
+def following_places(model: ModelStructure) -> tuple[int, ...]:
     """Return the indices of the parameters whose columns follow the shapes; see `Model.following_places`."""
     found = tuple(term for term in model.terms if term.effect.shape or uses_feedback(term))
     further = _mechanism_follows(model) or any(t.effect.derive is not None or is_transform(t) for t in found)
     return () if further else _coefficients(model, found)
 
 
-def held_places(model: Model) -> tuple[int, ...]:
+def held_places(model: ModelStructure) -> tuple[int, ...]:
     """Return the same where columns depend on the parameters and these are held; () where others may follow as well."""
     found = tuple(term for term in model.terms if term.effect.shape)
     if not needs_reference(model) or any(is_transform(term) for term in model.terms):
@@ -91,13 +99,13 @@ def held_places(model: Model) -> tuple[int, ...]:
     return _coefficients(model, found)
 
 
-def _coefficients(model: Model, terms: Iterable[Term]) -> tuple[int, ...]:
+def _coefficients(model: ModelStructure, terms: Iterable[Term]) -> tuple[int, ...]:
     place = places(model)
     return tuple(place[f"{term.name}.{key}"] for term in terms for key in term.effect.coefficients)
 
 
 def following_columns(
-    model: Model, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
+    model: ModelStructure, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
 ) -> Float:
     """Return the columns (V, J, m, N) of the parameters `chosen`; see `Model.following_columns`."""
     names, words = [entry.name for entry in model.shapes], motion_words(motion)
@@ -125,7 +133,7 @@ def following_columns(
     return out
 
 
-def model_torque(model: Model, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+def model_torque(model: ModelStructure, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
     """Return the torque (N, J) in N·m that the model says `motion` takes, for linear parameters (P,)."""
     values = np.asarray(linear, dtype=float)
     if values.shape != (len(model.parameters),):
@@ -135,7 +143,7 @@ def model_torque(model: Model, motion: Motion, linear: Any, shape: Float | None 
     return transformed_torque(model, columns, carried, shapes, motion).T
 
 
-def forces_torque(model: Model, motion: Motion, linear: Float) -> Float:
+def forces_torque(model: ModelStructure, motion: Motion, linear: Float) -> Float:
     """Return what measured forces alone ask of the drives (N, J), for linear parameters (P,) of a model without terms;
     zero for a model without forces.
     """
@@ -148,7 +156,7 @@ def forces_torque(model: Model, motion: Motion, linear: Float) -> Float:
 
 
 def moving_torque(
-    model: Model, motion: Motion, linear: Float, shape: Float, index: int
+    model: ModelStructure, motion: Motion, linear: Float, shape: Float, index: int
 ) -> MovingTorque:
     """Return the torque that shape value `index` has no part in, and what gives the rest; see `Model.moving_torque`."""
     entry, at = model.shapes[index], shape_values(model, shape)
@@ -186,17 +194,17 @@ def moving_torque(
     return transformed_torque(model, columns, still, shape, motion, term).T, joints, moved
 
 
-def needs_reference(model: Model) -> bool:
+def needs_reference(model: ModelStructure) -> bool:
     """Whether some column depends on the linear parameters themselves."""
     return any(uses_feedback(term) for term in model.terms) or _mechanism_follows(model)
 
 
-def _mechanism_follows(model: Model) -> bool:
+def _mechanism_follows(model: ModelStructure) -> bool:
     """Whether columns of the mechanism itself depend on the linear parameters."""
     return bool(model.derived) and compiled(rigid_model(model)).needs_reference
 
 
-def reference_places(model: Model) -> tuple[int, ...]:
+def reference_places(model: ModelStructure) -> tuple[int, ...]:
     """Return the indices of the linear parameters that columns depend on; () where they depend on none."""
     if not needs_reference(model):
         return ()
@@ -208,14 +216,16 @@ def reference_places(model: Model) -> tuple[int, ...]:
     return tuple(k for k in followed if k < len(model.parameters))
 
 
-def rigid_model(model: Model) -> Model:
+def rigid_model(model: ModelStructure) -> ModelStructure:
     """Return the model with nothing but its mechanism: what has to be derived and compiled for its columns."""
     if len(model.derived) == len(model.terms):
         return model
     return replace(model, terms=model.derived)
 
 
-def slopes_of(model: Model, terms: Iterable[Term], motion: Motion, linear: Float, shapes: Float) -> dict[str, Float]:
+def slopes_of(
+    model: ModelStructure, terms: Iterable[Term], motion: Motion, linear: Float, shapes: Float
+) -> dict[str, Float]:
     """Return {word: values (N,)} of the derivatives of the rigid-body torque that the texts of `terms` speak of.
 
     `linear` (P,) and `shapes` (S,) are numbers of `model`, known payloads included.
@@ -237,7 +247,7 @@ def slopes_of(model: Model, terms: Iterable[Term], motion: Motion, linear: Float
     return found
 
 
-def _slope(bare: Model, motion: Motion, field: str, joint: int, rigid: Float, own: Float) -> Float:
+def _slope(bare: ModelStructure, motion: Motion, field: str, joint: int, rigid: Float, own: Float) -> Float:
     """Return the derivative (J, N) of the torque of `bare` with the numbers `rigid` by an angle, velocity or
     acceleration of a joint.
 
@@ -282,7 +292,7 @@ _DERIVED: WeakKeyDictionary[Motion, dict[tuple[Any, ...], Float]] = WeakKeyDicti
 """Derivatives (J, N, P) of the base columns along motions that are still in use."""
 
 
-def transformed(model: Model, term: Term, motion: Motion, linear: Float, shapes: Float, nodes: Float) -> Float:
+def transformed(model: ModelStructure, term: Term, motion: Motion, linear: Float, shapes: Float, nodes: Float) -> Float:
     """Return what a transform that is added to `model` adds to its torque, (V, J, N), at V rows of the transform's own
     shapes `nodes` (V, S); other arguments as of `model_torque`.
     """
@@ -294,7 +304,7 @@ def transformed(model: Model, term: Term, motion: Motion, linear: Float, shapes:
     return out
 
 
-def torque_words(model: Model, motion: Motion, linear: Float, shapes: Float) -> dict[str, Float]:
+def torque_words(model: ModelStructure, motion: Motion, linear: Float, shapes: Float) -> dict[str, Float]:
     """Return the words for the torque (N,) of all joints that a transform of `model` acts on."""
     bare, at = rigid_model(model), shape_values(model, shapes)
     own = np.array([at[entry.name] for entry in bare.shapes])
@@ -302,7 +312,7 @@ def torque_words(model: Model, motion: Motion, linear: Float, shapes: Float) -> 
     return {f"tau_model{j + 1}": values for j, values in enumerate(torque.T)}
 
 
-def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Float) -> Callable[[Float], Float]:
+def derived_columns(model: ModelStructure, motion: Motion, shapes: Float, reference: Float) -> Callable[[Float], Float]:
     """Return what gives the columns (V, J, m, N) of the model's last effect alone, one that changes the mechanism, at V
     rows of shapes (V, S), any of `shapes`; other arguments as of `columns`.
     """
@@ -348,7 +358,7 @@ LONGEST_KEPT = 400_000
 """Samples of a motion whose base columns are kept, at most: 50 MB."""
 
 
-def _base_columns(model: Model, motion: Motion, linear: Float, at: Mapping[str, float]) -> Float:
+def _base_columns(model: ModelStructure, motion: Motion, linear: Float, at: Mapping[str, float]) -> Float:
     """Return the columns (J, N, B) of mechanism and friction, those at `base_places`; not to be written to."""
     if not model.derived and len(motion) <= LONGEST_KEPT:
         # A search asks for the same motion thousands of times, each time with another effect.

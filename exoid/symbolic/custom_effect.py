@@ -11,7 +11,7 @@ from exoid.ground.errors import EffectError, ExoidError
 from exoid.symbolic.effect import Coefficient, Effect, Shape
 from exoid.symbolic.effect_catalogue import FAMILIES, every_effect
 from exoid.symbolic.joints import LEG, Joint
-from exoid.symbolic.model import check_custom
+from exoid.symbolic.model_structure import check_custom
 from exoid.symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:

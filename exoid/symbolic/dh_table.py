@@ -25,7 +25,8 @@ from exoid.ground.errors import ExoidError, refused
 from exoid.ground.inputs import open_input
 from exoid.symbolic.joints import MOST, Joint, Origin
 from exoid.symbolic.mechanics.spatial import rotation
-from exoid.symbolic.model import STANDARD_GRAVITY, Model
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import STANDARD_GRAVITY
 from exoid.symbolic.motion import Float
 from exoid.symbolic.planar_machine import plain_name
 from exoid.symbolic.spatial_machine import origin_at

@@ -17,16 +17,16 @@ from exoid.symbolic.language.tree import Call
 from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
     from exoid.symbolic.term import Term
 
 
-def column_count(model: Model) -> int:
+def column_count(model: ModelStructure) -> int:
     """Return how many columns `whole_columns` has: one per parameter, and one more where forces are measured."""
     return len(model.parameters) + bool(model.forces)
 
 
-def carrying(model: Model, motion: Motion, linear: Float) -> Float:
+def carrying(model: ModelStructure, motion: Motion, linear: Float) -> Float:
     """Return linear parameters (P,) with what known payloads of `motion` add to Φ1..Φ4; where the model has measured
     forces one more, 1, of what these make without a number.
     """
@@ -49,25 +49,25 @@ def forces_of(motion: Motion, count: int) -> Float:
     return motion.force
 
 
-def places(model: Model) -> dict[str, int]:
+def places(model: ModelStructure) -> dict[str, int]:
     """Return {parameter name: its column}."""
     return {parameter.name: k for k, parameter in enumerate(model.parameters)}
 
 
-def base_places(model: Model) -> list[int]:
+def base_places(model: ModelStructure) -> list[int]:
     """Return the columns of the base model: inertia, friction, measured forces, and what changes the mechanism."""
     derived = {term.name for term in model.derived}
     own = [k for k, p in enumerate(model.parameters) if p.term is None or p.term in derived]
     return own + [len(model.parameters)] * bool(model.forces)
 
 
-def rigid_places(model: Model) -> list[int]:
+def rigid_places(model: ModelStructure) -> list[int]:
     """Return those of them that make the rigid-body torque: without friction and without forces from outside."""
     outside = range(model.friction.start, model.base_count)
     return [k for k in base_places(model) if k not in outside and k < len(model.parameters)]
 
 
-def shape_values(model: Model, shapes: Float) -> dict[str, float]:
+def shape_values(model: ModelStructure, shapes: Float) -> dict[str, float]:
     """Return {full name: value} of the shapes (S,)."""
     return {s.name: float(value) for s, value in zip(model.shapes, shapes, strict=True)}
 
@@ -94,7 +94,7 @@ def motion_words(motion: Motion) -> dict[str, Float | float]:
     return dict(motion.words)
 
 
-def feedback(model: Model, terms: Iterable[Term], base: Float, linear: Float) -> dict[str, Float]:
+def feedback(model: ModelStructure, terms: Iterable[Term], base: Float, linear: Float) -> dict[str, Float]:
     """Return tau_rigid and tau_model of the joints of which `terms` speak, from the columns (J, N, B) at `base_places`
     and reference parameters (P,).
 
@@ -112,7 +112,7 @@ def feedback(model: Model, terms: Iterable[Term], base: Float, linear: Float) ->
     return found
 
 
-def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) -> None:
+def apply_transforms(model: ModelStructure, out: Float, shapes: Float, motion: Motion) -> None:
     """Add to the base columns in `out` (J, N, P) what the transforms of the model make of them."""
     transforms = [term for term in model.terms if is_transform(term)]
     if not transforms:
@@ -124,7 +124,7 @@ def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) ->
 
 
 def transformed_torque(
-    model: Model, columns: Float, linear: Float, shapes: Float, motion: Motion, without: Term | None = None
+    model: ModelStructure, columns: Float, linear: Float, shapes: Float, motion: Motion, without: Term | None = None
 ) -> Float:
     """Return the torque (J, N) of columns (J, N, P) not yet transformed; transforms are linear, so each acts once, but
     for the one `without` which the torque is wanted.

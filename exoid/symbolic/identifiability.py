@@ -31,7 +31,7 @@ from exoid.symbolic.quantity import JOINTS
 from exoid.symbolic.term import Term, places_of
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 LARGEST_CACHE = 50_000_000
 """Bytes of what is kept of one model; it has some ten thousand."""
@@ -79,7 +79,7 @@ class Tangents:
         return [list(column) for column in zip(*rows, strict=True)]
 
 
-def structural_look_alikes(model: Model, candidates: Sequence[Term] | None = None) -> tuple[LookAlike, ...]:
+def structural_look_alikes(model: ModelStructure, candidates: Sequence[Term] | None = None) -> tuple[LookAlike, ...]:
     """Return which numbers of `model` and of the `candidates` no motion can distinguish.
 
     Default candidates: the whole catalogue at every joint, including joints where an entry says it is absorbed. Each is
@@ -99,7 +99,7 @@ def structural_look_alikes(model: Model, candidates: Sequence[Term] | None = Non
     return tuple(entry for entry in found if entry is not None)
 
 
-def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
+def known_look_alikes(model: ModelStructure) -> tuple[LookAlike, ...]:
     """Return `structural_look_alikes(model)` for the whole catalogue, computed once and then read from the cache.
 
     Reading takes milliseconds and loads neither SymPy nor CasADi. A file that does not match its seal is made anew.
@@ -118,7 +118,7 @@ def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
     return found
 
 
-def never_separable(names: Sequence[str], model: Model) -> Mapping[str, tuple[str, ...]]:
+def never_separable(names: Sequence[str], model: ModelStructure) -> Mapping[str, tuple[str, ...]]:
     """Return for each term name ("stribeck:knee") what imitates it at every state, so that no motion tells.
 
     The others are terms of the catalogue or the user's, compared with `model` without the terms named; where the model
@@ -148,7 +148,7 @@ def _imitators(term: Term, found: Sequence[LookAlike]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(n for n in names if n not in own))
 
 
-def _content_key(model: Model) -> str:
+def _content_key(model: ModelStructure) -> str:
     candidates = [[term_content(term), repr(term.effect.shape)] for term in every_candidate(model)]
     shapes = [repr(entry.shape) for entry in model.shapes]
     parts = [model_data(model), shapes, candidates, library_versions(), generator_key(), SEED, STATES, PRECISE_STATES]
@@ -165,7 +165,7 @@ def _read(path: Path) -> tuple[LookAlike, ...] | None:
         return None
 
 
-def every_candidate(model: Model) -> tuple[Term, ...]:
+def every_candidate(model: ModelStructure) -> tuple[Term, ...]:
     """Return every effect of the catalogue and of the user at every joint, except the terms the model has."""
     present = {term.name for term in model.terms}
     terms = []
@@ -178,7 +178,7 @@ def every_candidate(model: Model) -> tuple[Term, ...]:
     return tuple(term for term in terms if term.name not in present)
 
 
-def tangents(model: Model, only: str | None = None) -> Tangents:
+def tangents(model: ModelStructure, only: str | None = None) -> Tangents:
     """Return the derivatives of the torque by all numbers of the model, or by those of the term called `only`.
 
     Left out are choices, which have no derivative, and shapes that act through an operator's past alone.
@@ -220,7 +220,7 @@ def random_states(count: int, joints: int = 2) -> tuple[Float, ...]:
     )
 
 
-def memory_values(model: Model) -> Float:
+def memory_values(model: ModelStructure) -> Float:
     """Return values (K, N) of the operators with memory: what they hold depends on a past that the state leaves open.
 
     Each signal of each term has its own, whichever model it stands in; a signal of two joints' texts has one.
@@ -237,7 +237,7 @@ def memory_values(model: Model) -> Float:
     return np.array(rows).reshape(len(rows), STATES)
 
 
-def generic_linear(model: Model) -> Float:
+def generic_linear(model: ModelStructure) -> Float:
     """Return linear parameters (P,) without special relations; the first are the same for every model."""
     rng = np.random.default_rng(SEED + 1)
     return np.asarray(rng.uniform(0.5, 2.0, size=len(model.parameters)))

@@ -16,11 +16,11 @@ from exoid.symbolic.language.words import FEEDBACK
 from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
     from exoid.symbolic.term import Term
 
 
-def memory_operations(model: Model) -> list[tuple[Term, int, Operation]]:
+def memory_operations(model: ModelStructure) -> list[tuple[Term, int, Operation]]:
     """Return (term, joint, operation) of every operator, in the order of the generated code's `memory`."""
     found: list[tuple[Term, int, Operation]] = []
     for term in model.terms:
@@ -31,7 +31,7 @@ def memory_operations(model: Model) -> list[tuple[Term, int, Operation]]:
 
 
 def memory_signals(
-    model: Model, motion: Motion, shapes: Float, linear: Float, base_columns: Callable[[], Float]
+    model: ModelStructure, motion: Motion, shapes: Float, linear: Float, base_columns: Callable[[], Float]
 ) -> Float:
     """Return the operators' values (N, K) along `motion`, taken as one uninterrupted recording.
 

@@ -18,18 +18,18 @@ from exoid.symbolic.language.torque import is_transform
 from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.mechanics.mechanism import Mechanism, positive, real
 from exoid.symbolic.mechanics.regressor import Regressor, derive_regressor
-from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import ModelStructure
 from exoid.symbolic.writing_equations import EquationError, Equations
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
 
-def equations(model: Model) -> Equations:
+def equations(model: ModelStructure) -> Equations:
     """Return the equations of motion of `model`; EquationError where that is no model."""
     import casadi
 
-    if not isinstance(model, Model):
+    if not isinstance(model, ModelStructure):
         raise _no_model(model, "equations")
     sizes = {} if model.chain else {"a_th": casadi.SX.sym("a_th"), "g": casadi.SX.sym("g")}
     x = model_expressions(model, sizes)
@@ -54,7 +54,7 @@ def equations(model: Model) -> Equations:
     )
 
 
-def regressor(of: Model | Mechanism) -> Regressor:
+def regressor(of: ModelStructure | Mechanism) -> Regressor:
     """Return the regressor of a model, friction and effects included, or of a bare mechanism in symbols.
 
     `matrix` times `parameters`, which are named in `names`, and `known` make the torque; of a model `known` (J, 1) is
@@ -64,7 +64,7 @@ def regressor(of: Model | Mechanism) -> Regressor:
 
     if isinstance(of, Mechanism):
         return derive_regressor(of)
-    if not isinstance(of, Model):
+    if not isinstance(of, ModelStructure):
         raise _no_model(of, "regressor")
     found = equations(of)
     names = tuple(p.name for p in of.parameters)
@@ -79,7 +79,7 @@ def _no_model(given: Any, verb: str) -> EquationError:
     )
 
 
-def _read_back(model: Model, x: Expressions, sizes: Mapping[str, Any], wanted: list[Any]) -> list[Matrix]:
+def _read_back(model: ModelStructure, x: Expressions, sizes: Mapping[str, Any], wanted: list[Any]) -> list[Matrix]:
     """Return CasADi matrices as SymPy matrices, multiplied out."""
     from sympy import Matrix, expand, sign
 
@@ -103,7 +103,7 @@ def _read_back(model: Model, x: Expressions, sizes: Mapping[str, Any], wanted: l
     return [Matrix(*one.shape, [expand(entry) for entry in flat[k]]) for k, one in enumerate(wanted)]
 
 
-def _base(model: Model) -> dict[str, Expr]:
+def _base(model: ModelStructure) -> dict[str, Expr]:
     """Return {Phi1..: what it is made of}."""
     if not model.chain:
         form = derive_regressor(model.mechanism)

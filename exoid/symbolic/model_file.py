@@ -35,10 +35,10 @@ from exoid.symbolic.joints import (
     names,
 )
 from exoid.symbolic.mechanics.body import BodyError
-from exoid.symbolic.model import TABLE_1, UNLIMITED, Limits, Model
+from exoid.symbolic.model_structure import TABLE_1, UNLIMITED, Limits, ModelStructure
 from exoid.symbolic.quantity import JOINTS, Estimate
 from exoid.symbolic.robot_file import read_robot
-from exoid.symbolic.spatial_machine import robot_machine
+from exoid.symbolic.spatial_machine import robot_structure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -67,19 +67,14 @@ class Numbers:
     delta: tuple[float, ...] | None
 
 
-def read_model(path: str | Path) -> Model:
-    """Read a model file, or the machine of all joints that move in a robot's URDF.
+def read_structure(path: str | Path) -> ModelStructure:
+    """Read what the model of a file consists of, or the machine of all joints that move in a robot's URDF.
 
     ModelFileError says what is wrong, in which line, and what to do; of a URDF, RobotFileError does.
     """
     if Path(path).suffix.lower() == ROBOT_FILE:
-        return read_robot_model(path)
+        return robot_structure(read_robot(path), where=str(path)).model
     return _model(_load(path))
-
-
-def read_robot_model(path: str | Path, joints: Sequence[str] = (), gravity: float | None = None) -> Model:
-    """Read the model of a robot's URDF; see `Model.from_urdf`."""
-    return robot_machine(read_robot(path), joints, gravity, str(path)).model
 
 
 def read_numbers(path: str | Path) -> Numbers | None:
@@ -100,14 +95,14 @@ def read_numbers(path: str | Path) -> Numbers | None:
     return Numbers(linear, shape, delta)
 
 
-def write_model(model: Model, path: str | Path, fit: Identified | None = None) -> Path:
+def write_model(model: ModelStructure, path: str | Path, fit: Identified | None = None) -> Path:
     """Write `model`, with the numbers of `fit` where given; see `Model.save`."""
     import tomli_w
 
     return write_whole(path, f"# {WRITTEN}.\n{tomli_w.dumps(model_content(model, fit))}")
 
 
-def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]:
+def model_content(model: ModelStructure, fit: Identified | None = None) -> dict[str, Any]:
     """Return the content of the model file as plain data."""
     content: dict[str, Any] = {"name": model.name}
     if model.chain:
@@ -143,7 +138,7 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
     return content
 
 
-def _joint_content(model: Model, joint: Joint) -> dict[str, Any]:
+def _joint_content(model: ModelStructure, joint: Joint) -> dict[str, Any]:
     """Return a joint and its limits; what is left out stays left out."""
     content: dict[str, Any] = {"name": joint.name, "kind": joint.kind, "length": joint.length, "parent": joint.parent}
     if joint.axis is not None:
@@ -205,7 +200,7 @@ def _declaration(value: Any) -> dict[str, Any]:
     return kept
 
 
-def _identified_content(model: Model, fit: Identified) -> dict[str, Any]:
+def _identified_content(model: ModelStructure, fit: Identified) -> dict[str, Any]:
     content: dict[str, Any] = {}
     estimates = {estimate.name: estimate for estimate in fit.estimates}
     for group, known in (("parameters", model.parameters), ("shape", model.shapes)):
@@ -226,7 +221,7 @@ def _load(path: str | Path) -> Table:
     return read_toml(path, LARGEST_FILE, ModelFileError, what="model file", remedy=remedy)
 
 
-def _model(top: Table) -> Model:
+def _model(top: Table) -> ModelStructure:
     top.only(
         "name", "geometry", "limits", "gravity", "joints", "base", "couplings", "wearer", "forces", "effects",
         "custom_effects", "identified",
@@ -245,7 +240,7 @@ def _model(top: Table) -> Model:
     return model
 
 
-def _worn(model: Model, top: Table) -> Model:
+def _worn(model: ModelStructure, top: Table) -> ModelStructure:
     """Return `model` with the person of a file's [wearer]."""
     if "wearer" not in top.values:
         return model
@@ -259,7 +254,7 @@ def _worn(model: Model, top: Table) -> Model:
         raise place.error(key or "wearer", error.what, error.remedy) from error
 
 
-def _pushed(model: Model, entries: Sequence[Table]) -> Model:
+def _pushed(model: ModelStructure, entries: Sequence[Table]) -> ModelStructure:
     """Return `model` with the measured forces of a file's [[forces]]."""
     for entry in entries:
         entry.only("name", "link", "at", "columns", "frame", "sign", "gain", "delay", "rpy")
@@ -280,14 +275,14 @@ def _pushed(model: Model, entries: Sequence[Table]) -> Model:
     return model
 
 
-def _leg(top: Table) -> Model:
+def _leg(top: Table) -> ModelStructure:
     """Return the leg of a file that has [geometry] and [limits.hip], [limits.knee]."""
     for key in ("gravity", "base", "couplings"):
         if key in top.values:
             raise top.error(key, f"{key} belongs to a file with [[joints]]", "write gravity below [geometry]")
     geometry = top.table("geometry") if "geometry" in top.values else top.child("geometry", {})
     geometry.only("thigh_length", "gravity")
-    return Model(
+    return ModelStructure(
         name=top.text("name", "unnamed leg"),
         thigh_length=geometry.number("thigh_length", 0.40, least=SHORTEST, below=2.0),
         gravity=geometry.number("gravity", 9.81, least=LIGHTEST, below=HEAVIEST),
@@ -296,7 +291,7 @@ def _leg(top: Table) -> Model:
     )
 
 
-def _machine(top: Table) -> Model:
+def _machine(top: Table) -> ModelStructure:
     """Return the machine of a file with [[joints]]: two that are hip and knee are the leg."""
     for key in ("geometry", "limits"):
         if key in top.values:
@@ -324,10 +319,10 @@ def _machine(top: Table) -> Model:
     if gravity > 0.0 and not moving and is_leg(joints) and not any(joint.motor for joint in joints):
         known = {joint: limits.get(joint, UNLIMITED).filled(usual) for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)
-        return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
+        return ModelStructure(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
     custom = _custom_effects(top, joints)
     vector_given = (pull[0], pull[1], pull[2]) if pull else None
-    return Model(
+    return ModelStructure(
         name, gravity=gravity, limits=limits, custom=custom, joints=joints, moving_base=moving,
         gravity_vector=vector_given,
     )  # fmt: skip

@@ -15,7 +15,7 @@ import numpy as np
 
 from exoid.ground.suggest import nearest
 from exoid.symbolic.joints import JOINT_NAME, MOST, TAKEN, Joint
-from exoid.symbolic.model import STANDARD_GRAVITY, Limits, Model
+from exoid.symbolic.model_structure import STANDARD_GRAVITY, Limits, ModelStructure
 from exoid.symbolic.motion import Float
 from exoid.symbolic.robot_file import MOVING, RobotFile, RobotFileError, RobotJoint, numbers_of
 
@@ -41,7 +41,7 @@ class PlanarMachine:
     `normal` (3,) is that of the plane, `along` (3,) each the direction of every link's axis at the file's zero.
     """
 
-    model: Model
+    model: ModelStructure
     names: tuple[str, ...]
     notes: tuple[str, ...]
     normal: Float
@@ -86,7 +86,7 @@ def planar_machine(
         if made[-1].name != one.name:
             notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
     limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
-    model = Model(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
+    model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     for k, name in enumerate(_off_axis(robot, joints, directions, normal)):
         if name and (gravity > 0.0 or parents[k] is not None):
             model = model.with_effect(f"com_offset:{made[k].name}")

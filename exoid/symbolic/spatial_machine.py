@@ -14,7 +14,7 @@ import numpy as np
 
 from exoid.symbolic.joints import Joint, Origin, Vector
 from exoid.symbolic.mechanics.spatial import rotation
-from exoid.symbolic.model import STANDARD_GRAVITY, Model
+from exoid.symbolic.model_structure import STANDARD_GRAVITY, ModelStructure
 from exoid.symbolic.motion import Float
 from exoid.symbolic.planar_machine import (
     NotPlanarError,
@@ -35,17 +35,19 @@ DIGITS = 12
 
 
 @dataclass(frozen=True, eq=False)
-class RobotMachine:
-    """The `model` of a machine in a robot file, the names its joints have there, and what is worth saying about it."""
+class RobotStructure:
+    """The `model` of a machine in a robot file, what it consists of, the names its joints have there, and what is worth
+    saying about it.
+    """
 
-    model: Model
+    model: ModelStructure
     names: tuple[str, ...]
     notes: tuple[str, ...]
 
 
-def robot_machine(
+def robot_structure(
     robot: RobotFile, names: Sequence[str] = (), gravity: float | None = None, where: str = "URDF"
-) -> RobotMachine:
+) -> RobotStructure:
     """Return the machine that the joints called `names` (default: all that move) make; others stand still at zero.
 
     `gravity` in m/s² is that within the plane of a planar machine, or downwards. RobotFileError says what is wrong with
@@ -55,19 +57,19 @@ def robot_machine(
         planar = planar_machine(robot, names, gravity, where)
     except NotPlanarError as error:
         return _spatial(robot, names, STANDARD_GRAVITY if gravity is None else gravity, where, error.what)
-    return RobotMachine(planar.model, planar.names, planar.notes)
+    return RobotStructure(planar.model, planar.names, planar.notes)
 
 
 def spatial_machine(
     robot: RobotFile, names: Sequence[str] = (), gravity: float = STANDARD_GRAVITY, where: str = "URDF"
-) -> RobotMachine:
+) -> RobotStructure:
     """Return the spatial machine of the joints called `names`, whether or not they move in a plane; arguments as of
-    `robot_machine`.
+    `robot_structure`.
     """
     return _spatial(robot, names, gravity, where, "")
 
 
-def _spatial(robot: RobotFile, names: Sequence[str], gravity: float, where: str, why: str) -> RobotMachine:
+def _spatial(robot: RobotFile, names: Sequence[str], gravity: float, where: str, why: str) -> RobotStructure:
     joints, carriers = chosen_joints(robot, names, where)
     chosen = [one.name for one in joints]
     made, notes = [], [f"a spatial machine: {why}"] if why else []
@@ -86,8 +88,8 @@ def _spatial(robot: RobotFile, names: Sequence[str], gravity: float, where: str,
         notes.append(f"angles of the file that are within {ROUNDED:g} rad of right ones are taken as those")
     notes += held_still(robot, joints)
     limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
-    model = Model(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
-    return RobotMachine(model, tuple(chosen), tuple(notes))
+    model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
+    return RobotStructure(model, tuple(chosen), tuple(notes))
 
 
 def _origin(robot: RobotFile, one: RobotJoint, carrier: RobotJoint | None, where: str) -> tuple[Origin, bool]:

@@ -16,7 +16,7 @@ from exoid.symbolic.codegen.layout import BASE_STATE
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
     from exoid.symbolic.term import Parameter
 
 DOTS = {"ddtheta": r"\ddot{\theta}", "dtheta": r"\dot{\theta}", "theta": r"\theta"}
@@ -36,7 +36,7 @@ class Equations:
     `memories` are signals with a past, {symbol: (operator, what feeds it, its parameter or None)}.
     """
 
-    model: Model
+    model: ModelStructure
     M: Matrix = field(repr=False)
     C: Matrix = field(repr=False)
     G: Matrix = field(repr=False)

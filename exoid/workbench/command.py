@@ -34,8 +34,8 @@ class Terminated(BaseException):
 
 
 WELCOME = """\
-exoid finds out which physical effect the model of a 2-DOF exoskeleton leg
-is missing.
+exoid names the physical effect that your model is missing, from angles and
+torques of a leg exoskeleton, a test bench or a robot arm.
 
 New here? The whole loop on shipped recordings, in less than half a minute:
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from exoid.ground.errors import ExoidError
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import Numbers, read_model, read_numbers
+from exoid.symbolic.model import Model, read_model
+from exoid.symbolic.model_file import Numbers, read_numbers
 from exoid.workbench.reserved import is_taken
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -16,10 +15,15 @@ SITE = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(SITE)
 
 
+def pages_of_site():
+    return [one for section in SITE.sections() for entries in section.values() for one in entries]
+
+
 def test_every_page_is_in_the_navigation():
-    pages = (one for section in SITE.sections() for entries in section.values() for one in entries)
-    listed = [page for one in pages for page in one.values()]
-    assert sorted(listed) == sorted(path.name for path in (ROOT / "docs").glob("*.md"))
+    listed = [page for one in pages_of_site() for page in one.values()]
+    assert sorted(["index.md", *listed]) == sorted(path.name for path in (ROOT / "docs").glob("*.md"))
+    sections = [title for section in SITE.sections() for title in section]
+    assert all(title[0].isupper() for title in (*sections, *(title for one in pages_of_site() for title in one)))
 
 
 def test_the_reference_has_every_function_and_class_of_the_door():
@@ -29,14 +33,20 @@ def test_the_reference_has_every_function_and_class_of_the_door():
 
 
 @pytest.mark.parametrize(
-    ("page", "link", "led"),
+    ("link", "led"),
     [
-        ("index.md", "[a](docs/open.md#who)", "[a](open.md#who)"),
-        ("open.md", "[a](../README.md#set-up)", "[a](index.md#set-up)"),
-        ("open.md", "[a](../ground/errors.py)", "a"),
-        ("open.md", "[a](#here) [b](https://example.org/x)", "[a](#here) [b](https://example.org/x)"),
-        ("index.md", "![a](docs/report.png)", "![a](report.png)"),
+        ("[a](open.md#who)", "[a](open.md#who)"),
+        ("[a](../ground/errors.py)", "a"),
+        ("[a](#here) [b](https://example.org/x)", "[a](#here) [b](https://example.org/x)"),
+        ("![a](report.png)", "![a](report.png)"),
     ],
 )
-def test_links_lead_to_pages_of_the_site(page, link, led):
-    assert SITE.on_page_markdown(link, SimpleNamespace(file=SimpleNamespace(src_uri=page))) == led
+def test_links_lead_to_pages_of_the_site(link, led):
+    assert SITE.on_page_markdown(link) == led
+
+
+def test_the_thresholds_page_has_every_threshold():
+    from exoid.diagnosis.thresholds import every_threshold
+
+    page = SITE.thresholds()
+    assert all(f"| `{rule.name}` | {rule.value:g} |" in page for rule in every_threshold())

@@ -13,3 +13,9 @@ def test_what_its_docstring_names_is_there():
 
 def test_every_group_of_commands_has_one():
     assert {load_verb(verb).GROUP for verb in find_verbs()} == set(GROUPS)
+
+
+def test_dir_shows_what_people_use_and_what_there_is():
+    shown = dir(exoid)
+    assert {"discover", "Model", "read_recording", "add", "simulate"} <= set(shown) <= {"__version__", *exoid.__all__}
+    assert len(shown) < 40

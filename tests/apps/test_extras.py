@@ -125,7 +125,7 @@ def test_a_contest_of_what_is_installed_needs_no_extra(without):
 def test_every_extra_that_is_named_is_there_and_is_explained():
     named = {extra for path in SOURCES for extra in re.findall(r"exoid\[(\w+)\]", path.read_text("utf-8"))}
     assert named | {extra for _, extra, _ in ASKED} <= set(EXTRAS)
-    explained = re.findall(r"^\| `(\w+)` \|", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE)
+    explained = re.findall(r"^\| `(\w+)` \|", (ROOT / "docs" / "install.md").read_text("utf-8"), re.MULTILINE)
     assert sorted(explained) == sorted(set(EXTRAS) - FOR_DEVELOPERS)
 
 

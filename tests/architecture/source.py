@@ -14,12 +14,11 @@ LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "wor
 """Lowest first; a package may import itself and what stands before it."""
 
 METHODS_FROM_ABOVE = {
-    "symbolic/model.py": ("exoid.symbolic.model_file", "exoid.symbolic.columns"),
     "diagnosis/reported.py": ("exoid.workbench.report.result",),
 }
 """Modules whose functions a class below them has as methods; such a method imports them when it is called, and that is
-the only import that may point up or close a circle. A fit asks a model by its methods alone, so that it is tested on
-a leg that was written independently (`tests/optimisation/paper_leg.py`); `report` is what people call on a result.
+the only import that may point up or close a circle. `report` is what people call on a result, and results know nothing
+of pages.
 """
 
 SOURCES = sorted(PACKAGE.rglob("*.py"))

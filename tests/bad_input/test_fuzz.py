@@ -27,8 +27,8 @@ from exoid.measurement.reading import limits
 from exoid.measurement.reading.read import open_table, read_recording
 from exoid.measurement.trajectories.trajectory import paper_trajectory
 from exoid.measurement.trajectories.trajectory_file import read_trajectory, write_trajectory
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import read_model, read_numbers, write_model
+from exoid.symbolic.model import Model, read_model
+from exoid.symbolic.model_file import read_numbers, write_model
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "measurement"))
 from written import FORMATS

@@ -9,8 +9,11 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.own_numbers.fits import Fits
+from exoid.diagnosis.own_numbers.found import belonging_to
+from exoid.diagnosis.own_numbers.numbers import with_numbers
+from exoid.diagnosis.own_numbers.state import Claimed
 from exoid.diagnosis.rules import RULES
-from exoid.diagnosis.search.recordings import belonging_to
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.recording import Recording
@@ -139,10 +142,45 @@ def test_which_of_the_halves_is_held_out_has_no_say_in_its_own_numbers():
     first = belonging_to(now)
     late = runs[2].tau.copy()
     late[: len(late) // 2] += 0.3  # the first half alone: what judges it must not know
-    spoilt = prepare(AXIS, runs[:2], [replace(runs[2], tau=late)])
-    second = belonging_to(fitted_model(now.fit, spoilt))
+    spoilt = fitted_model(now.fit, prepare(AXIS, runs[:2], [replace(runs[2], tau=late)]))
+    fits = Fits(spoilt, RULES, {})
+    zeros = tuple(Claimed(claim, 0.0, fits.everyone) for claim in fits.claims if claim.everyone)
+    second = with_numbers(fits, zeros)
     assert second.judged[2, 0] == pytest.approx(first.judged[2, 0], abs=0.02)
     assert second.judged[2, 1, 2] > first.judged[2, 1, 2] + 0.2
+
+
+def loaded_from(k, moment):
+    """Return a recording in which 1.5 kg are taken up at a moment, s."""
+    bare, heavy = (drive(k, NUMBERS + more) for more in (0.0, added(1.5, 0.3)))
+    return replace(bare, tau=np.where((bare.t >= moment)[:, None], heavy.tau, bare.tau))
+
+
+@pytest.mark.parametrize("moments", [(7.0, 7.0, 7.0, 7.0), (5.0, 99.0, 9.0, 99.0), (99.0, 99.0, 99.0, 6.0)])
+def test_a_load_taken_up_midway_is_told_with_its_moment(moments):
+    runs = [loaded_from(k, moment) for k, moment in enumerate(moments)]
+    found = discover(AXIS, runs[:3], runs[3])
+    own = {f"run_{k}": moment for k, moment in enumerate(moments) if moment < 15.0}
+    assert found.verdict == "adequate" and told(found) == {
+        "carried_load": pytest.approx(dict.fromkeys(own, 1.5), abs=0.1)
+    }
+    (one,) = found.of_recordings
+    assert {name: start for name, (start, _) in one.spans.items()} == pytest.approx(own, abs=0.3)
+    assert f"From {min(own.values()):.1f}"[:6] in one.sentence and "spans" in one.to_json()
+
+
+def test_what_changes_within_the_only_recording_is_told():
+    found = discover(AXIS, [loaded_from(0, 8.0)])
+    assert told(found) == {"carried_load": pytest.approx({"run_0": 1.5}, abs=0.1)}
+
+
+def test_a_zero_that_jumps_midway_is_told():
+    runs = [drive(k) for k in range(4)]
+    late = runs[2].t > 6.0
+    runs[2] = replace(runs[2], tau=runs[2].tau + 0.8 * late[:, None])
+    (one,) = discover(AXIS, runs[:3], runs[3]).of_recordings
+    assert one.what == "sensor_zero" and one.values["run_2"].value == pytest.approx(0.8, abs=0.05)
+    assert one.spans["run_2"] == (pytest.approx(6.0, abs=0.3), None) and "than before" in one.sentence
 
 
 @pytest.mark.slow

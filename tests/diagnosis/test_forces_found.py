@@ -20,8 +20,7 @@ from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.read import read_recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import read_model
+from exoid.symbolic.model import Model, read_model
 
 LEG = Model.standard()
 

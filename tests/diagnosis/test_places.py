@@ -15,8 +15,8 @@ from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import read_model, write_model
+from exoid.symbolic.model import Model, read_model
+from exoid.symbolic.model_file import write_model
 
 PLACES = (0.95, 0.9, 0.85, 0.8)
 

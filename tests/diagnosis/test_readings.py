@@ -13,7 +13,8 @@ from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.joints import Joint
-from exoid.symbolic.model import Limits, Model
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import Limits
 
 LENGTH = 0.40
 CHAIN = (Joint("boom", length=0.5), Joint("arm", length=0.4), Joint("hand"))

@@ -42,7 +42,23 @@ def test_two_clocks_are_said_and_nothing_is_named(share):
     assert 0.3 < said.value / share < 1.5
     assert ("faster" if share > 0 else "slower") in said.what
     answer = discover(Model(), given[:3], given[3:])
-    assert answer.verdict == "check_channels" and not answer.accepted and "clock" in answer.sentence
+    assert answer.verdict in ("adequate", "check_channels") and not answer.accepted and "clock" in answer.sentence
+    (told,) = (one for one in answer.of_recordings if one.what == "clock_rate")
+    assert {name: one.value for name, one in told.values.items()} == pytest.approx(
+        {one.name: share for one in given}, rel=0.1
+    )
+
+
+def test_torques_of_single_recordings_that_come_late_are_told():
+    def late(one):
+        return replace(one, tau=np.column_stack([np.interp(one.t - 0.04, one.t, column) for column in one.tau.T]))
+
+    given = runs()
+    given[1] = late(given[1])
+    answer = discover(Model(), given[:3], given[3:])
+    (told,) = answer.of_recordings
+    assert answer.verdict == "adequate" and told.what == "clock_offset" and not answer.accepted
+    assert {name: one.value for name, one in told.values.items()} == pytest.approx({given[1].name: 0.04}, abs=0.004)
 
 
 @pytest.mark.parametrize("change", [None, fast(1e-5)])

@@ -20,7 +20,8 @@ from exoid.measurement.bench.wearer import Wearer
 from exoid.measurement.recording import to_csv
 from exoid.measurement.trajectories.trajectory import paper_trajectory
 from exoid.symbolic.effect import Coefficient, Effect, Shape
-from exoid.symbolic.model import TABLE_1, Model
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import TABLE_1
 
 SHORT = Bench(duration=4.0)
 IDEAL = Bench(duration=6.0, sensors=Sensors.ideal())

@@ -12,7 +12,8 @@ from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, BenchError, run_bench
 from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
 from exoid.symbolic.joints import Joint, Origin
-from exoid.symbolic.model import Limits, Model
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import Limits
 
 DRIVE = Model("drive", joints=(Joint("drive"),))
 SLIDE = Model(

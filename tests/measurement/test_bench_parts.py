@@ -17,7 +17,7 @@ from exoid.measurement.trajectories.trajectory import (
     random_trajectory,
     within,
 )
-from exoid.symbolic.model import TABLE_1
+from exoid.symbolic.model_structure import TABLE_1
 
 
 @given(seed=st.integers(0, 2**32 - 1), period=st.floats(4.0, 20.0), harmonics=st.integers(1, 10))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from exoid.measurement.trajectories.extremes import bounds, margin, shortest_period, uses
 from exoid.measurement.trajectories.trajectory import Fourier, TrajectoryError, paper_trajectory
-from exoid.symbolic.model import TABLE_1
+from exoid.symbolic.model_structure import TABLE_1
 
 coefficients = st.lists(st.floats(-1.0, 1.0), min_size=20, max_size=20)
 

@@ -14,7 +14,8 @@ from exoid.optimisation.excitation.design import DesignError, design, evaluate, 
 from exoid.optimisation.excitation.space import motion_space
 from exoid.optimisation.optimisers import optimisers
 from exoid.symbolic.force import Force
-from exoid.symbolic.model import TABLE_1, Limits, Model
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import TABLE_1, Limits
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from exoid.optimisation.linear.links import nearest_matrices
 from exoid.optimisation.linear.physical import certify_physical, physics, solve_physical
 from exoid.optimisation.linear.problem import LinearData
 from exoid.optimisation.linear.solve import delta_rule, solve_sse
+from exoid.symbolic.model import model_of
 from exoid.symbolic.model_file import Numbers
 from exoid.symbolic.motion import Motion
 from exoid.symbolic.robot_file import parse_robot
@@ -24,12 +25,12 @@ from tests.workbench.test_export_space import check, mujoco_reads, pinocchio_rea
 
 KINDS = (("revolute",), ("revolute", "revolute", "prismatic"), ("prismatic", "revolute"))
 SAMPLES = 200
-WRIST = spatial_machine(parse_robot(arm_text(6, 3).encode())).model
+WRIST = model_of(spatial_machine(parse_robot(arm_text(6, 3).encode())).model)
 
 
 def arm(seed, count, noise, kinds=("revolute",)):
     """A model and noisy torques of an arm whose links become smaller and smaller."""
-    model = spatial_machine(parse_robot(arm_text(seed, count, kinds).encode())).model
+    model = model_of(spatial_machine(parse_robot(arm_text(seed, count, kinds).encode())).model)
     rng = np.random.default_rng(seed)
     t = 0.02 * np.arange(SAMPLES)
     q, dq, ddq = np.zeros((3, SAMPLES, count))

@@ -14,7 +14,8 @@ from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.check import check_equations
 from exoid.symbolic.force import FIXED, Force
-from exoid.symbolic.model_file import Numbers, read_model, write_model
+from exoid.symbolic.model import model_of, read_model
+from exoid.symbolic.model_file import Numbers, write_model
 from exoid.symbolic.motion import Motion
 from exoid.symbolic.robot_file import parse_robot
 from exoid.symbolic.spatial_machine import spatial_machine
@@ -24,9 +25,9 @@ from tests.exported_module import python_module
 from tests.symbolic.arms import arm_text
 
 TEXT = arm_text(7, 4, ("revolute", "revolute", "prismatic"))
-STILL = spatial_machine(parse_robot(TEXT.encode())).model
+STILL = model_of(spatial_machine(parse_robot(TEXT.encode())).model)
 ARM = replace(STILL, moving_base=True)
-SHORT = replace(spatial_machine(parse_robot(arm_text(6, 3).encode())).model, moving_base=True)
+SHORT = replace(model_of(spatial_machine(parse_robot(arm_text(6, 3).encode())).model), moving_base=True)
 
 
 def motion_of(model, seed=0, count=12):

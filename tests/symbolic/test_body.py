@@ -10,8 +10,8 @@ from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.optimisation.fitting.identify import identify
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.mechanics.body import Body, BodyError
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import Numbers, read_model, write_model
+from exoid.symbolic.model import Model, read_model
+from exoid.symbolic.model_file import Numbers, write_model
 from exoid.symbolic.motion import Motion
 from exoid.workbench.identified import ready
 from tests import newton_euler

@@ -13,8 +13,8 @@ from exoid.symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.mechanics.newton_euler import BaseMotion
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import read_model, write_model
+from exoid.symbolic.model import Model, read_model
+from exoid.symbolic.model_file import write_model
 from exoid.symbolic.motion import Motion
 
 CUFFS = (Force("thigh cuff", "hip", ("f1",)), Force("shank cuff", "knee", ("f2",)))

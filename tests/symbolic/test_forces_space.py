@@ -16,8 +16,8 @@ from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.check import check_equations
 from exoid.symbolic.force import FIXED, LINK, NORMAL, TORQUE, Force
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import Numbers, read_model, write_model
+from exoid.symbolic.model import Model, model_of, read_model
+from exoid.symbolic.model_file import Numbers, write_model
 from exoid.symbolic.motion import Motion
 from exoid.symbolic.robot_file import parse_robot
 from exoid.symbolic.spatial_machine import spatial_machine
@@ -27,7 +27,7 @@ from tests.exported_module import python_module
 from tests.symbolic.arms import arm_text
 
 TEXT = arm_text(7, 4, ("revolute", "revolute", "prismatic"))
-ARM = spatial_machine(parse_robot(TEXT.encode())).model
+ARM = model_of(spatial_machine(parse_robot(TEXT.encode())).model)
 WRENCH = tuple(f"wrench_{what}_{axis}" for what in ("force", "torque") for axis in "xyz")
 FLANGE = Force("flange", "j3", WRENCH, (0.1, 0.2, -0.05), rpy=(0.3, -0.2, 1.0))
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from exoid.ground.errors import EffectError, ExoidError, ModelFileError
 from exoid.symbolic import Model
 from exoid.symbolic.codegen.fingerprint import model_key
-from exoid.symbolic.model_file import read_model, read_numbers, write_model
+from exoid.symbolic.model import read_model
+from exoid.symbolic.model_file import read_numbers, write_model
 from exoid.symbolic.quantity import Estimate
 
 TEXT = """name = "my leg"

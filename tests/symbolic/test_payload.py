@@ -15,6 +15,7 @@ from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.optimisation.fitting.identify import identify
 from exoid.symbolic import Model, Motion
 from exoid.symbolic.mechanics.payload import Payload, PayloadError
+from exoid.symbolic.model import model_of
 from exoid.symbolic.robot_file import parse_robot
 from exoid.symbolic.spatial_machine import spatial_machine
 from exoid.workbench.command_line.inputs import payload_of
@@ -107,7 +108,7 @@ def test_a_load_that_was_not_named_is_weighed():
     assert named.verdict == "adequate" and not named.of_recordings and not named.left_out
 
 
-ARM = spatial_machine(parse_robot(arm_text(7, 4, ("revolute", "revolute", "prismatic")).encode())).model
+ARM = model_of(spatial_machine(parse_robot(arm_text(7, 4, ("revolute", "revolute", "prismatic")).encode())).model)
 
 
 def test_a_payload_in_space_is_pinocchios():

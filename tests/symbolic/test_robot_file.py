@@ -5,9 +5,9 @@ import pytest
 
 import exoid
 from exoid.symbolic import Model, read_model
+from exoid.symbolic.model import robot_machine
 from exoid.symbolic.planar_machine import NotPlanarError, moving_with, planar_machine
 from exoid.symbolic.robot_file import RobotFileError, parse_robot, read_robot
-from exoid.symbolic.spatial_machine import robot_machine
 from exoid.workbench.command import main
 
 LEG = """<?xml version="1.0"?>

@@ -16,6 +16,7 @@ from exoid.symbolic.joints import Joint, Origin
 from exoid.symbolic.mechanics.base_parameters import absorbed_rotors
 from exoid.symbolic.mechanics.spatial import KINDS, joint_frames, link_columns
 from exoid.symbolic.mechanics.spatial_energy import pseudo_inertia
+from exoid.symbolic.model import model_of
 from exoid.symbolic.robot_file import parse_robot
 from exoid.symbolic.spatial_machine import spatial_machine
 from tests.symbolic.arms import arm_text
@@ -137,8 +138,9 @@ def test_pinocchio_computes_the_same(seed, count, kinds, branch):
     pin = pytest.importorskip("pinocchio")
     text = arm_text(seed, count, kinds, branch)
     found = spatial_machine(parse_robot(text.encode()))
+    machine = model_of(found.model)
     robot = pin.buildModelFromXML(text.replace("continuous", "revolute"))
-    data, model, on = robot.createData(), found.model, motion(count)
+    data, model, on = robot.createData(), machine, motion(count)
     links = own_numbers(robot, found.names)
     linear = np.concatenate([np.einsum("pjk,jk->p", model.mixture, links), np.zeros(2 * count)])
     places = [robot.joints[robot.getJointId(name)].idx_v for name in found.names]

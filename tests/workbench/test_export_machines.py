@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from exoid.optimisation.linear.links import LinkInertia, nearest_links
 from exoid.symbolic.joints import Joint
-from exoid.symbolic.model import Model
+from exoid.symbolic.model import Model, model_of
 from exoid.symbolic.model_file import Numbers, write_model
 from exoid.symbolic.motion import Motion
 from exoid.symbolic.planar_machine import planar_machine
@@ -160,7 +160,7 @@ OWN = """<?xml version="1.0"?>
 def test_numbers_go_back_into_the_own_urdf_and_nothing_else_changes(tmp_path):
     path = tmp_path / "robot.urdf"
     path.write_text(OWN, encoding="utf-8")
-    model = planar_machine(read_robot(path)).model
+    model = model_of(planar_machine(read_robot(path)).model)
     assert [term.name for term in model.terms] == ["com_offset:foot_lift"]
     given = numbers(model)
     data, notes = into_urdf(ready(model, given), path)
@@ -218,7 +218,7 @@ def test_numbers_go_into_an_odd_urdf(seed, tmp_path):
     pin, mujoco = pytest.importorskip("pinocchio"), pytest.importorskip("mujoco")
     path = tmp_path / "robot.urdf"
     path.write_text(odd_urdf(seed), encoding="utf-8")
-    model = planar_machine(read_robot(path), ["j0", "j1", "j2"]).model
+    model = model_of(planar_machine(read_robot(path), ["j0", "j1", "j2"]).model)
     given, on = numbers(model, seed), motion(model)
     text = into_urdf(ready(model, given), path)[0].decode("utf-8")
     wanted = rigid_torque(model, given, on)
@@ -264,7 +264,7 @@ def test_what_cannot_be_written_is_refused_in_words(tmp_path):
 def test_the_command_writes_all_of_it(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "robot.urdf").write_text(OWN, encoding="utf-8")
-    model = planar_machine(read_robot("robot.urdf")).model
+    model = model_of(planar_machine(read_robot("robot.urdf")).model)
     bare = write_model(model, tmp_path / "m.toml").read_text(encoding="utf-8")
     lines = "\n".join(f'"{name}" = {float(value)!r}' for name, value in numbers(model).linear.items())
     (tmp_path / "m.toml").write_text(f"{bare}\n[identified.parameters]\n{lines}\n", encoding="utf-8")

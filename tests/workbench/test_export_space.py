@@ -6,7 +6,8 @@ import pytest
 from exoid.measurement.bench.simulation import simulate
 from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
 from exoid.symbolic.mechanics.base_parameters import absorbed_rotors
-from exoid.symbolic.model_file import Numbers, read_model, write_model
+from exoid.symbolic.model import model_of, read_model
+from exoid.symbolic.model_file import Numbers, write_model
 from exoid.symbolic.robot_file import parse_robot
 from exoid.symbolic.spatial_machine import spatial_machine
 from exoid.workbench.command import main
@@ -28,7 +29,7 @@ def bodies(count):
 
 
 def identified(text=TEXT, gravity=9.81):
-    model = spatial_machine(parse_robot(text.encode()), gravity=gravity).model
+    model = model_of(spatial_machine(parse_robot(text.encode()), gravity=gravity).model)
     count = len(model.joints)
     phi = np.einsum("pjk,jk->p", model.mixture, [one.numbers for one in bodies(count)])
     linear = dict(zip([p.name for p in model.parameters], [*phi, *([0.5, 0.7] * count)], strict=True))

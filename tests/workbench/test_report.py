@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import base64
 import functools
+import html
 import http.server
 import json
 import re
@@ -12,6 +13,7 @@ import shutil
 import subprocess
 import threading
 from dataclasses import replace
+from datetime import date
 from html.parser import HTMLParser
 
 import numpy as np
@@ -20,6 +22,7 @@ from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, FakeModel, f
 
 from exoid.diagnosis.extend import Waterfall
 from exoid.diagnosis.results import Step
+from exoid.diagnosis.sureness import MEANINGS
 from exoid.ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from exoid.measurement.finding import Finding
 from exoid.workbench.report.material import Material, command_of
@@ -115,12 +118,27 @@ def test_the_answer_is_open_and_the_rest_is_folded():
     assert text.count('<details class="folded">') == text.count("<section ") - 1
 
 
-def test_numbers_and_thresholds_stand_in_an_appendix_that_is_printed_where_it_is_open():
+def test_numbers_stand_in_an_appendix_that_is_printed_where_it_is_open():
     text = render_report(material())
     start = text.index('<details class="appendix"')
     first = [text.index(f'<section id="{name}"') for name in ("verdict", "falling", "suspects", "repeat")]
     assert max(first) < start < text.index('<section id="parameters"')
     assert ".appendix:not([open])" in text.split("@media print")[1]
+
+
+def test_the_head_tells_machine_files_and_date_and_print_has_page_numbers():
+    given = replace(material(), made=date(2026, 3, 5))
+    text = render_report(given)
+    head = text.split("<nav")[0]
+    assert "5 March 2026" in head and all(html.escape(one.name) in head for one in given.recordings[:4])
+    assert "5 March 2026" in text.split("</title>")[0]
+    assert "counter(page)" in text and "counter(pages)" in text
+
+
+def test_what_a_word_means_is_said_once():
+    text = render_report(material())
+    (said,) = [meaning for meaning in MEANINGS.values() if meaning[:30] in text]
+    assert text.count(said[:30]) == 1
 
 
 def test_an_almost_empty_page_renders():

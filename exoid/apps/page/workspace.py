@@ -303,7 +303,7 @@ class Workspace:
 
     def use_model(self, path: Path, name: str) -> None:
         """Start from the model in a file; its own errors where it is none."""
-        from exoid.symbolic.model_file import read_model
+        from exoid.symbolic.model import read_model
 
         model = read_model(path)
         with self.change:

@@ -16,7 +16,7 @@ HEADS = {"figure": "Figures", "table": "Tables", "equation": "Equations"}
 def page_of(found: Reproduced) -> str:
     """Return the page: all verdicts in one table, then each item with its command, its tables and its pictures."""
     rows = [
-        f"| [{one.item.name}](#{anchor(one)}) | {one.item.title} | **{one.answer.holds}** | {one.answer.why} |"
+        f"| [{one.item.name}](#{anchor(one)}) | {one.item.title} | **{one.answer.holds}** |"
         for one in found.answered
     ]
     parts = [
@@ -25,7 +25,7 @@ def page_of(found: Reproduced) -> str:
         "Algorithm*. Its recordings are not published, so its experiments are repeated on the virtual bench with the "
         f"leg it identified, {found.seeds} seeds from {found.seed} on. This page is made by `exoid paper`; every "
         "number was measured in that run. What has no number in print, or one that is not known here, has a word.",
-        "## What holds\n\n| item | about | the paper | why not |\n| --- | --- | --- | --- |\n" + "\n".join(rows),
+        "## What holds\n\n| item | about | the paper |\n| --- | --- | --- |\n" + "\n".join(rows),
     ]
     kind = ""
     for one in found.answered:

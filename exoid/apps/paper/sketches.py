@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.ground.figures import FAINT, GRID, INK, JOINT_COLOURS, OKABE_ITO, PAPER, figure_style, label, new_figure
-from exoid.symbolic.model import Limits
+from exoid.symbolic.model_structure import Limits
 from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:

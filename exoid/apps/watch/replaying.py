@@ -14,7 +14,7 @@ from exoid.apps.watch.plots import numbers_figure
 from exoid.apps.watch.settings import Settings
 from exoid.apps.watch.watcher import Watcher
 from exoid.ground.errors import RecordingError
-from exoid.ground.html import bullets
+from exoid.ground.html import bullets, picture
 from exoid.ground.plain import AsJson
 from exoid.measurement.reading.given import Given, machine_of, model_of, one_recording
 from exoid.symbolic.effect import Effect
@@ -53,7 +53,7 @@ class Replay(AsJson):
         return "\n".join(map(repr, self.events))
 
     def _repr_html_(self) -> str:
-        return bullets([repr(one) for one in self.events])
+        return bullets([repr(one) for one in self.events]) + "".join(picture(f, alt) for _, alt, f in self.figures())
 
     @property
     def numbers(self) -> dict[str, dict[str, Any]]:

@@ -23,8 +23,9 @@ from exoid.ground.text import filled, in_comment
 from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
 from exoid.optimisation.preparation.sticking import STICK
 from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
-from exoid.symbolic.model import Model, require_no_force, require_still_base
+from exoid.symbolic.model import Model
 from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.model_structure import require_no_force, require_still_base
 from exoid.symbolic.motion import Float
 from exoid.workbench.identified import ExportError
 

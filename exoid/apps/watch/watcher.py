@@ -34,7 +34,8 @@ from exoid.diagnosis.rules import Rules
 from exoid.ground.errors import ExoidError
 from exoid.ground.thresholds import threshold
 from exoid.symbolic.effect import Effect
-from exoid.symbolic.model import Model, require_still_base
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import require_still_base
 from exoid.symbolic.motion import Float
 
 NOTICED = threshold(

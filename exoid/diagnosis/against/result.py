@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from exoid.diagnosis.against.plots import errors_figure
 from exoid.diagnosis.against.questions import Acting
 from exoid.ground.frames import pandas
-from exoid.ground.html import bullets, lines, table
+from exoid.ground.html import bullets, lines, picture, table
 from exoid.ground.plain import AsJson, by_name
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
@@ -141,7 +141,8 @@ class Differences(AsJson):
             for a, b in zip(d.before, d.after, strict=True)
         ]
         head = ("what", "kind", "before", "after", "look-alikes")
-        return lines(strong=self.sentence) + (table(head, rows) if rows else "") + bullets(self._old())
+        named = table(head, rows) if rows else ""
+        return lines(strong=self.sentence) + picture(self.plot(), self.sentence) + named + bullets(self._old())
 
     def to_frame(self) -> Any:
         """Return one row per number that differs."""

@@ -3,7 +3,7 @@
 A hypothesis changes the *prediction*, never the measured torque: it proposes columns that are added to the model's
 torque, each times a number that belongs to a recording (the zero of its torque sensor) or to some recordings together
 (a load that they carry). What they are worth is judged where they were not learnt
-(`exoid.diagnosis.search.recordings`).
+(`exoid.diagnosis.own_numbers`).
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class Claim:
 @cache
 def hypotheses() -> dict[str, ModuleType]:
     """Return the modules of this folder by name. Each has `claims(model)`, what it proposes for a model's machine, and
-    `said(place, values, where)`, a sentence about the numbers {recording: words} of one claim; `where` is the place of
-    a load in words, or "".
+    `said(place, values, where, when)`, a sentence about the numbers {recording: words} of one claim; `where` is the
+    place of a load in words, `when` since when or until when that is so, or "".
     """
     return modules_in(sys.modules[__name__])
 
@@ -88,3 +88,10 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
 def each_said(values: dict[str, str]) -> str:
     """Return "run_0 0.91 ± 0.02, run_2 0.2 ± 0.02"."""
     return ", ".join(f"{name} {text}" for name, text in values.items())
+
+
+def than_usual(what: str, when: str) -> str:
+    """ "The ... than in the other recordings", or "From 12.0 s on the ... than before"."""
+    if not when:
+        return f"The {what} than in the other recordings"
+    return f"{when} the {what} than {'before' if when.startswith('From') else 'later'}"

@@ -39,9 +39,11 @@ def _mix(at: float) -> Float:
     return np.array([at**2, at, 1.0])
 
 
-def said(place: str | None, values: dict[str, str], where: str) -> str:
+def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the loads {recording: words}, and where they hang."""
-    names, words = " and ".join(values), next(iter(values.values()))
+    names, words = " and ".join(filter(None, [", ".join([*values][:-1]), [*values][-1]])), next(iter(values.values()))
     each = "" if len(set(values.values())) == 1 else f" ({each_said(values)})"
     what = f"{words}{where}" if not each else f"something{where}{each}"
-    return f"{names} carr{'y' if len(values) > 1 else 'ies'} a load that the others do not: {what} on the {place}"
+    verb = "carry" if len(values) > 1 else "carries"
+    than = "a load" if when else "a load that the others do not"
+    return f"{when} {names} {verb} {than}: {what} on the {place}".strip()

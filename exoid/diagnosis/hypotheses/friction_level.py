@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said
+from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -28,6 +28,6 @@ def _friction(joint: int, seen: Seen) -> Float:
     return np.asarray(seen.columns[joint][:, which] @ seen.linear[which])
 
 
-def said(place: str | None, values: dict[str, str], where: str) -> str:
+def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the levels {recording: words} of friction."""
-    return f"The friction of the {place} is another than in the other recordings: {each_said(values)} times as much"
+    return f"{than_usual(f'friction of the {place} is another', when)}: {each_said(values)} times as much"

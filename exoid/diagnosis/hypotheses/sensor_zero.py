@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, at_joint, each_said
+from exoid.diagnosis.hypotheses import Claim, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 
 
@@ -17,6 +17,8 @@ def claims(model: Model) -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def said(place: str | None, values: dict[str, str], where: str) -> str:
+def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the zeros {recording: words}."""
+    if when:
+        return f"{than_usual(f'{place} torque sensor has another zero', when)}: {each_said(values)}"
     return f"The {place} torque sensor has another zero in each recording: {each_said(values)}"

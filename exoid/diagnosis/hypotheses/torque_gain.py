@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said
+from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -21,6 +21,6 @@ def _of(joint: int, seen: Seen) -> Float:
     return seen.torque[joint]
 
 
-def said(place: str | None, values: dict[str, str], where: str) -> str:
+def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the gains {recording: words}."""
-    return f"The {place} torque is told with another gain than in the other recordings: {each_said(values)} times"
+    return f"{than_usual(f'{place} torque is told with another gain', when)}: {each_said(values)} times"

@@ -21,7 +21,8 @@ from exoid.symbolic.model import Model
 @cache
 def _readings() -> dict[str, ModuleType]:
     """Return the modules of this folder by the id of what each defines: EFFECT; `entry(model, prepared)`, that effect
-    where it may be the case, or None; and `what_is_wrong(fit, name)`, what is to be said where it was accepted.
+    where it may be the case, or None; `what_is_wrong(fit, name)`, what is to be said where it was accepted; and
+    `change(fit, name)`, by what share of itself what it reads would change.
     """
     return {one.EFFECT.id: one for one in modules_in(sys.modules[__name__]).values()}
 
@@ -46,3 +47,8 @@ def reading_doubt(fit: Fit, name: str) -> Doubt:
     """Return what is to be said where the reading called `name` was accepted, by a fit in which it is."""
     found: Doubt = _readings()[name.partition(":")[0]].what_is_wrong(fit, name)
     return found
+
+
+def reading_change(fit: Fit, name: str) -> float:
+    """Return by what share of itself a length would change where the reading called `name` was accepted."""
+    return float(_readings()[name.partition(":")[0]].change(fit, name))

@@ -14,9 +14,10 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.effect import Coefficient, Effect
-from exoid.symbolic.joints import ancestors, parents
+from exoid.symbolic.joints import Joint, ancestors, parents
 from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.model import Model
+from exoid.symbolic.quantity import Estimate
 
 
 def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
@@ -50,10 +51,21 @@ def entry(model: Model, prepared: Prepared) -> Effect | None:
     return replace(EFFECT, joints=places) if places and not prepared.misread else None
 
 
+def change(fit: Fit, name: str) -> float:
+    """Return by what share of itself the length would change."""
+    more, link = _change(fit, name)
+    return abs(more.value) / float(link.length or 1.0)
+
+
+def _change(fit: Fit, name: str) -> tuple[Estimate, Joint]:
+    """Return what a link is longer than the model says, m, and the link."""
+    more = {one.name: one for one in fit.estimates}[f"{name}.more"]
+    return more, next(joint for joint in fit.model.joints if name == f"{EFFECT.id}:{joint.name}")
+
+
 def what_is_wrong(fit: Fit, name: str) -> Doubt:
     """Return which length the recordings want, by a fit in which the entry called `name` is."""
-    more = {one.name: one for one in fit.estimates}[f"{name}.more"]
-    link = next(joint for joint in fit.model.joints if name == f"{EFFECT.id}:{joint.name}")
+    more, link = _change(fit, name)
     assumed = float(link.length or 0.0)
     value, low, high = (assumed + x for x in (more.value, more.low, more.high))
     return Doubt(

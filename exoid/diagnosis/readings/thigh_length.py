@@ -31,13 +31,23 @@ def entry(model: Model, prepared: Prepared) -> Effect | None:
     return EFFECT if has_a_length(model, prepared) else None
 
 
-def what_is_wrong(fit: Fit, name: str) -> Doubt:
-    """Return which length the recordings want, by a fit in which the entry called `name` is."""
+def change(fit: Fit, name: str) -> float:
+    """Return by what share of itself the length would change."""
+    return abs(_lengths(fit, name)[0] / fit.model.thigh_length - 1.0)
+
+
+def _lengths(fit: Fit, name: str) -> tuple[float, float, float]:
+    """Return the length that recordings want and the ends of its interval, m."""
     known = {one.name: one for one in fit.estimates}
     more, coupling = known[f"{name}.k"], known[COUPLING].value
     weight = fit.model.gravity / fit.model.thigh_length
     value, *ends = (fit.model.gravity / (weight + k / coupling) for k in (more.value, more.low, more.high))
-    low, high = sorted(ends)
+    return value, min(ends), max(ends)
+
+
+def what_is_wrong(fit: Fit, name: str) -> Doubt:
+    """Return which length the recordings want, by a fit in which the entry called `name` is."""
+    value, low, high = _lengths(fit, name)
     return Doubt(
         f"another thigh length, {value:.3g} m, explains more than every entry of the catalogue, and more than its own "
         "placebos",

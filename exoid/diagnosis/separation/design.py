@@ -38,8 +38,9 @@ from exoid.optimisation.optimiser import minimise
 from exoid.optimisation.optimisers.nfo import NFO
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.force import Force
-from exoid.symbolic.model import Model, require_still_base
+from exoid.symbolic.model import Model
 from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.model_structure import require_still_base
 from exoid.symbolic.motion import Float
 from exoid.symbolic.term import Term
 

@@ -13,7 +13,7 @@ from exoid.diagnosis.separation.distance import Rival
 from exoid.diagnosis.separation.indistinguishable import Same
 from exoid.diagnosis.separation.plots import separation_figure
 from exoid.ground.frames import pandas
-from exoid.ground.html import code
+from exoid.ground.html import code, picture
 from exoid.ground.plain import AsJson
 from exoid.ground.thresholds import threshold
 from exoid.measurement.trajectories.extremes import Use
@@ -100,7 +100,7 @@ class Separation(AsJson):
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return code(repr(self))
+        return code(repr(self)) + picture(self.plot(), "The motion, and how far apart the rivals are on it")
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per (truth, rival): σ apart by design, at random, in the present recordings."""

@@ -33,7 +33,7 @@ from exoid.symbolic.mechanics.base_parameters import base_parameters, pull_of
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from exoid.symbolic.mechanics.pushed import pushed_torques
 from exoid.symbolic.mechanics.spatial import link_columns
-from exoid.symbolic.model import STANDARD_GRAVITY
+from exoid.symbolic.model_structure import STANDARD_GRAVITY
 from exoid.symbolic.motion import Float
 
 CUTOFF = 5.0

@@ -16,7 +16,7 @@ import numpy as np
 
 from exoid.ground.figures import figure_style, new_figure
 from exoid.ground.frames import pandas
-from exoid.ground.html import lines, table
+from exoid.ground.html import lines, picture, table
 from exoid.ground.plain import AsJson, plain_dict
 from exoid.measurement.bench.hidden import Hidden, TrueModel, true_model
 from exoid.measurement.bench.leg import Leg
@@ -80,7 +80,7 @@ class Tracking:
         ]
 
     def _repr_html_(self) -> str:
-        return lines(self.sentence) + table(_HEAD, self._rows())
+        return lines(self.sentence) + table(_HEAD, self._rows()) + picture(self.plot(), self.sentence)
 
     def to_frame(self) -> Any:
         """Return one row per feed-forward and joint."""

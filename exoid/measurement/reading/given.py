@@ -12,8 +12,7 @@ from exoid.measurement.reading.frames import is_table
 from exoid.measurement.reading.read import read_recording, read_recordings
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import Joint
-from exoid.symbolic.model import Model
-from exoid.symbolic.model_file import read_model
+from exoid.symbolic.model import Model, read_model
 
 Given: TypeAlias = Recording | str | Path | Mapping[str, Any] | Iterable[Any]
 """A recording, a path, folder, pattern or archive, a DataFrame, a mapping {name: array}, an array with the columns t,

@@ -26,7 +26,7 @@ import numpy as np
 
 from exoid.ground.plain import AsJson
 from exoid.measurement.trajectories.trajectory import Fourier, TrajectoryError
-from exoid.symbolic.model import TABLE_1, Limits
+from exoid.symbolic.model_structure import TABLE_1, Limits
 from exoid.symbolic.motion import Float
 
 FINE = 8192

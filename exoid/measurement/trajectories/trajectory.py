@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from exoid.ground.errors import ExoidError
 from exoid.ground.html import table
 from exoid.measurement.plots import motion_between_limits
-from exoid.symbolic.model import TABLE_1, Limits
+from exoid.symbolic.model_structure import TABLE_1, Limits
 from exoid.symbolic.motion import Float, Motion, read_only
 from exoid.symbolic.quantity import JOINTS
 

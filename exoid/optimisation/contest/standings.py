@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.ground.frames import pandas
-from exoid.ground.html import lines, table
+from exoid.ground.html import lines, picture, table
 from exoid.ground.plain import AsJson
 from exoid.optimisation.contest.ioh_log import write_logs
 from exoid.optimisation.contest.plots import Entrant, Goal, contest_figure
@@ -121,7 +121,7 @@ class Rivals(AsJson):
             "95 % low", "95 % high", "s per run", "p (Holm)",
         )  # fmt: skip
         title = f"{self.contest.name}: {len(self.seeds)} seeds, {self.contest.budget} evaluations each"
-        return table(head, self.rows(), title) + lines(self.contest.standard)
+        return table(head, self.rows(), title) + lines(self.contest.standard) + picture(self.plot(), title)
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per optimiser and target: ERT with interval, hits, runs, success rate."""

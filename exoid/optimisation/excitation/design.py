@@ -29,8 +29,9 @@ from exoid.optimisation.fitting.nominal import Nominal, nominal, sizes
 from exoid.optimisation.preparation.sticking import STICK
 from exoid.symbolic.codegen.information import Information, information
 from exoid.symbolic.memory import memory_operations
-from exoid.symbolic.model import Limits, Model, require_still_base
+from exoid.symbolic.model import Model
 from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.model_structure import Limits, require_still_base
 from exoid.symbolic.motion import Float
 
 __all__ = ["DesignError", "NoMotionError", "design", "evaluate", "evaluate_paper"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from exoid.ground.frames import pandas
+from exoid.ground.html import code, picture, table
 from exoid.ground.plain import AsJson, by_name
 from exoid.ground.ties import least_of
 from exoid.measurement.trajectories.extremes import Use
@@ -134,7 +134,9 @@ class Excitation(AsJson):
         return "\n".join(lines + [f"  caution: {text}" for text in self.cautions])
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>" + self.to_frame().to_html(float_format="{:.4g}".format)
+        rows = [(p.name, p.value, p.unit, p.deviation, p.relative) for p in self.precision]
+        head = ("number", "value assumed", "unit", "standard deviation", "relative")
+        return code(repr(self)) + picture(self.plot(), "Angles, velocities and accelerations") + table(head, rows)
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per number of the model: value assumed, unit, predicted standard deviation."""

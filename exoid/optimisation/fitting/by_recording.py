@@ -19,7 +19,7 @@ import numpy as np
 from exoid.ground.errors import ExoidError
 from exoid.ground.figures import figure_style, new_figure
 from exoid.ground.frames import pandas
-from exoid.ground.html import table
+from exoid.ground.html import picture, table
 from exoid.ground.thresholds import threshold
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.linear.problem import LinearData
@@ -83,7 +83,8 @@ class ByRecording:
         return "\n".join("  ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)) for line in cells)
 
     def _repr_html_(self) -> str:
-        return table(("parameter", "unit", "together", *self.recordings, "verdict"), map(self.cells, self.rows))
+        rows = table(("parameter", "unit", "together", *self.recordings, "verdict"), map(self.cells, self.rows))
+        return rows + picture(self.plot(), "Every parameter from every recording alone, with its interval")
 
     def cells(self, row: Row) -> tuple[str, ...]:
         """Return one line of the table as texts."""

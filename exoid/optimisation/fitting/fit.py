@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from exoid.ground.frames import pandas
-from exoid.ground.html import bullets, lines, table
+from exoid.ground.html import bullets, lines, picture, table
 from exoid.ground.plain import AsJson, by_name
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.plots import fit_figure
@@ -146,6 +146,7 @@ class Fit(AsJson):
             + lines(f"RMS residual [{units(self.joints, 'tau')}]: {rms}", str(self.certificate))
             + (table(head, gaps) if gaps else "")
             + bullets(self.plausibility)
+            + picture(self.plot(), f"Parameters with intervals, residuals and convergence; RMS residual {rms}")
         )
 
     def to_frame(self) -> pd.DataFrame:

@@ -13,7 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.ground.thresholds import threshold
+from exoid.ground.ties import least_of
 from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 from exoid.measurement.signals.conditioning import low_pass
 from exoid.optimisation.linear.loss import Bool
 from exoid.optimisation.preparation.filtering import PreparedRecording
@@ -22,6 +24,8 @@ from exoid.symbolic.motion import Float
 
 CLOCKS = "clock_rate"
 """What the finding on them is called."""
+EVERY = "all recordings"
+"""The name of a clock that is that of all recordings."""
 GROUPS = 10
 """Parts of a recording that are left out one by one, which tells how far its clocks are known (jackknife)."""
 CHANCE = threshold(
@@ -37,8 +41,8 @@ SHARE = threshold(
     "share of what a rigid machine leaves that it explains: a missing effect happens to look so by a few hundredths",
 )  # fmt: skip
 LEAST_SAMPLES = 200
-STEPS, MOST = 6, 0.05
-"""Times that a torque is read anew at the rate found, and the largest rate that is looked for."""
+STEPS, MOST, LATEST = 6, 0.05, 0.3
+"""Times that a torque is read anew by the clock found; largest rate and delay (s) that are looked for."""
 BAND = 3.0
 """Hz up to which the torque's own derivative is taken: noise in it would make the difference look smaller."""
 
@@ -46,7 +50,8 @@ BAND = 3.0
 @dataclass(frozen=True)
 class ClockRate:
     """How much faster the torques' clock runs in one recording (`rate`, 0.002 is 0.2 %) with its standard `error`; the
-    `share` that it explains of what is left, and how long the recording is.
+    `share` that it explains of what is left, and how long the recording is. `late` is by how many s the torques come
+    late in its middle, likewise.
     """
 
     name: str
@@ -54,44 +59,100 @@ class ClockRate:
     error: float
     share: float
     seconds: float
+    late: float = 0.0
+    late_error: float = np.inf
+    late_share: float = 0.0
 
 
-def clock_findings(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
-    """Return a warning where the torques' clock runs at another rate than the angles': in all recordings together, or
-    else in single ones.
+def clocks_apart(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
+    """Clocks of torques that run at another rate than the angles': one for all recordings (`EVERY`), or else those of
+    single ones.
     """
     # Friction that reverses late is a spike beside the model, and tells the clock; other spikes only add noise.
-    return _findings(base, prepared) or _findings(base, [_with_spikes(one) for one in prepared])
+    return _apart(base, prepared) or _apart(base, [_with_spikes(one) for one in prepared])
+
+
+def clock_findings(clocks: Sequence[ClockRate]) -> tuple[Finding, ...]:
+    """A warning for each clock that runs at another rate."""
+    return tuple(_finding(one) for one in clocks)
+
+
+def late_clocks(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
+    """Recordings whose torques come later or earlier than those of the one that is least late; `late` is by how much.
+
+    A delay that all have is the machine's, and an effect.
+    """
+    found = [one for k in prepared if (one := clock_rate(base, k)) is not None]
+    if not found:
+        return ()
+    usual = least_of(found, lambda one: abs(one.late), 1.0)
+    out = []
+    for one in found:
+        late, error = one.late - usual.late, float(np.hypot(one.late_error, usual.late_error))
+        told = replace(one, rate=0.0, late=late, late_error=error)
+        if one is not usual and one.late_share >= SHARE and abs(late) >= APART and _no_chance(late, error, 1):
+            out.append(told)
+    return tuple(out)
+
+
+def on_one_clock(one: Recording, rate: float, late: float = 0.0) -> Recording:
+    """The recording with its motion read when its torques were measured, whose clock runs faster by `rate`, and that
+    come `late` by so many s. Where both clocks do not start together, a delay is left.
+
+    Torques stay as they were measured: what is predicted from the motion is compared with the same samples.
+    """
+    from scipy.interpolate import CubicSpline
+
+    at = np.clip(one.t[0] + (one.t - one.t[0]) / (1.0 - rate) - late, one.t[0], one.t[-1])
+    nearest = np.rint(np.interp(at, one.t, np.arange(len(one)))).astype(int)
+
+    def read(values: Float | None) -> Float | None:
+        return None if values is None else np.asarray(CubicSpline(one.t, values)(at))
+
+    q = read(one.q)
+    assert q is not None
+    return replace(
+        one, q=q, dq=read(one.dq), ddq=read(one.ddq), base=read(one.base), angle_valid=one.angle_valid[nearest]
+    )
 
 
 def _with_spikes(one: PreparedRecording) -> PreparedRecording:
     return one if one.read is None else one.without(np.zeros(one.hidden.shape, dtype=bool))
 
 
-def _findings(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
+def _apart(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
     found = [rate for one in prepared if (rate := clock_rate(base, one)) is not None]
     if not found:
         return ()
+    together = _together(found)
+    if _is_apart(together, len(found)):
+        return (together,)
+    return tuple(one for one in found if len(found) > 1 and _is_apart(one, 1))
+
+
+def _together(found: Sequence[ClockRate]) -> ClockRate:
+    """The clock of all recordings."""
     weight = np.array([1.0 / one.error**2 for one in found])
     rates = np.array([one.rate for one in found])
     mean = float(weight @ rates / weight.sum())
     scatter = float(weight @ (rates - mean) ** 2 / max(1, len(found) - 1))
     error = float(np.sqrt(max(1.0, scatter) / weight.sum()))
-    together = ClockRate(
-        "all recordings", mean, error, float(np.median([one.share for one in found])),
+    return ClockRate(
+        EVERY, mean, error, float(np.median([one.share for one in found])),
         float(np.median([one.seconds for one in found])),
     )  # fmt: skip
-    if _is_apart(together, len(found)):
-        return (_finding(together),)
-    return tuple(_finding(one) for one in found if len(found) > 1 and _is_apart(one, 1))
 
 
 def _is_apart(one: ClockRate, recordings: int) -> bool:
     if one.share < SHARE or abs(one.rate) * one.seconds < APART:
         return False
+    return _no_chance(one.rate, one.error, recordings)
+
+
+def _no_chance(value: float, error: float, recordings: int) -> bool:
     from scipy.special import stdtr
 
-    return bool(2.0 * stdtr((GROUPS - 1) * recordings, -abs(one.rate) / one.error) < CHANCE)
+    return bool(2.0 * stdtr((GROUPS - 1) * recordings, -abs(value) / error) < CHANCE)
 
 
 def _finding(one: ClockRate) -> Finding:
@@ -113,24 +174,24 @@ def clock_rate(base: Model, one: PreparedRecording) -> ClockRate | None:
     if use.sum() < LEAST_SAMPLES:
         return None
     own, middle = _own_columns(base, one), 0.5 * float(motion.t[0] + motion.t[-1])
-    rate, first = 0.0, None
+    rate, late, first = 0.0, 0.0, None
     for _ in range(STEPS):
-        at = middle + (motion.t - middle) * (1.0 - rate)
+        at = middle + (motion.t - middle) * (1.0 - rate) + late
         torque = np.column_stack([np.interp(at, motion.t, column) for column in one.wide_tau.T])
         step = _step(one, own, torque, use)
         if step is None:
             return None
-        rate += step.rate
+        rate, late = rate + step.rate, late + step.late
         first = first or step
-        if abs(rate) > MOST:
+        if abs(rate) > MOST or abs(late) > LATEST:
             return None
-        if abs(step.rate) < step.error:
+        if abs(step.rate) < step.error and abs(step.late) < step.late_error:
             break
-    return None if first is None else replace(first, rate=rate)
+    return None if first is None else replace(first, rate=rate, late=late)
 
 
 def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> ClockRate | None:
-    """Return by how much faster the clock of a `torque` (N, J) runs, to first order."""
+    """Return by how much faster the clock of a `torque` (N, J) runs and how late it is, to first order."""
     parts = np.concatenate([own, _late_columns(one, torque)], axis=2)
     wanted = one.smooth(torque)
     size = np.array([y[u].std() if u.any() else 0.0 for y, u in zip(wanted, use, strict=True)])
@@ -146,22 +207,33 @@ def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> Clock
             square += float(y @ y)
     scale = np.sqrt(np.diagonal(grams.sum(axis=0)))
     known = scale > 0.0
-    if not known[-1]:
+    if not known[-2:].all():
         return None
     grams = grams[:, known][:, :, known] / np.outer(scale[known], scale[known])
     products = products[:, known] / scale[known]
 
-    def drift(gram: Float, product: Float) -> float:
-        return float(np.linalg.lstsq(gram, product, rcond=1e-10)[0][-1] / scale[-1])
+    def both(gram: Float, product: Float) -> Float:
+        return np.asarray(np.linalg.lstsq(gram, product, rcond=1e-10)[0][-2:] / scale[-2:])
 
     gram, product = grams.sum(axis=0), products.sum(axis=0)
-    each = np.array([drift(gram - a, product - b) for a, b in zip(grams, products, strict=True)])
-    error = float(np.sqrt((GROUPS - 1) / GROUPS * np.sum((each - each.mean()) ** 2)))
-    left, without = (_left(square, gram[:n, :n], product[:n]) for n in (len(product), len(product) - 1))
-    if not error > 0.0 or not without > 0.0:
+    each = np.array([both(gram - a, product - b) for a, b in zip(grams, products, strict=True)])
+    late_error, error = np.sqrt((GROUPS - 1) / GROUPS * np.sum((each - each.mean(axis=0)) ** 2, axis=0))
+    many = len(product)
+    left = _left(square, gram, product)
+    of_late, of_rate = (_left(square, gram[np.ix_(k, k)], product[k]) for k in _but(many - 2, many - 1))
+    if not min(error, late_error) > 0.0 or not min(of_late, of_rate) > 0.0:
         return None
+    early, rate = both(gram, product)
     seconds = float(one.motion.t[-1] - one.motion.t[0])
-    return ClockRate(one.name, drift(gram, product), error, 1.0 - left / without, seconds)
+    return ClockRate(
+        one.name, float(rate), float(error), 1.0 - left / of_rate, seconds, -float(early), float(late_error),
+        1.0 - left / of_late,
+    )  # fmt: skip
+
+
+def _but(*out: int) -> list[np.ndarray]:
+    """Indices up to the last of `out`, each time without one of these."""
+    return [np.delete(np.arange(max(out) + 1), k) for k in out]
 
 
 def _left(square: float, gram: Float, product: Float) -> float:

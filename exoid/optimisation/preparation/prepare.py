@@ -28,7 +28,7 @@ from exoid.measurement.recording import Recording, base_columns
 from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
 from exoid.measurement.signals.derivatives import check_method
 from exoid.measurement.signals.methods import BUTTERWORTH
-from exoid.optimisation.preparation.clocks import clock_findings
+from exoid.optimisation.preparation.clocks import ClockRate, clock_findings, clocks_apart
 from exoid.optimisation.preparation.cutoff import (
     COMMON_BAND,
     CutoffChoice,
@@ -71,7 +71,8 @@ class Prepared:
 
     `misread` are those of the `findings` that say in which convention (`--convention`) or unit the recordings are.
     `noise_floor` (J,) N·m is what no model can get below: noise of the torque, of the angles, and `filter_error` (J,),
-    what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations.
+    what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations, `clocks` are
+    those of torques that run at another rate than the angles'.
     """
 
     train: tuple[PreparedRecording, ...]
@@ -84,6 +85,7 @@ class Prepared:
     derivative: str = BUTTERWORTH
     misread: tuple[Finding, ...] = ()
     joints: tuple[Joint, ...] = LEG
+    clocks: tuple[ClockRate, ...] = ()
 
     @property
     def all(self) -> tuple[PreparedRecording, ...]:
@@ -158,6 +160,7 @@ def prepare(
     misread = misread or check_scales(recordings)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
+    clocks = () if misread else clocks_apart(base, done)
     wrong = np.sqrt(mean_square(torque_of_filter(base, beta, done), done))
     return Prepared(
         train=tuple(done[:count]),
@@ -170,12 +173,13 @@ def prepare(
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
         findings=(
             *known, *swayed, *unused, *doubled, *(f for f in misread if f not in known), *outliers,
-            *(() if misread else clock_findings(base, done)),
+            *clock_findings(clocks),
             *smoothed_findings(called, even, model.joints),
         ),
         derivative=derivative,
         misread=misread,
         joints=model.joints,
+        clocks=clocks,
     )
 
 

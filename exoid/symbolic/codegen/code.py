@@ -21,7 +21,7 @@ from exoid.symbolic.mechanics.base_parameters import base_parameters
 from exoid.symbolic.mechanics.regressor import derive_regressor
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 PREFIX = "leg"
 NEWTON_STEPS = 4
@@ -30,7 +30,7 @@ smooth.
 """
 
 
-def meanings(model: Model) -> dict[str, str]:
+def meanings(model: ModelStructure) -> dict[str, str]:
     """Return {function: what it computes}."""
     names, square = ", ".join(model.joint_names), f"{len(model.joints)} x {len(model.joints)}"
     torque, rate = "N m", "rad/s^2"
@@ -129,7 +129,7 @@ def _solved(casadi: Any, m: Any, r: Any) -> Any:
     return casadi.vertcat(m[1, 1] * r[0] - m[0, 1] * r[1], m[0, 0] * r[1] - m[1, 0] * r[0]) / det
 
 
-def generate(model: Model) -> Sources:
+def generate(model: ModelStructure) -> Sources:
     """Derive `model` and return its C code, header and manifest."""
     expressions = model_expressions(model)
     made = functions(expressions)
@@ -157,7 +157,7 @@ def reference_needed(expressions: Expressions) -> bool:
     return any(casadi.depends_on(entry, expressions.linear) for _, _, entry in expressions.columns)
 
 
-def model_record(model: Model) -> dict[str, Any]:
+def model_record(model: ModelStructure) -> dict[str, Any]:
     """Return the model as plain data: geometry, terms, and its numbers with their units."""
     lengths: dict[str, Any] = {"thigh_length": model.thigh_length}
     if model.chain:
@@ -175,12 +175,12 @@ def model_record(model: Model) -> dict[str, Any]:
     }
 
 
-def column_name(model: Model, parameter: int) -> str:
+def column_name(model: ModelStructure, parameter: int) -> str:
     """Return the name of a column of the regressor: of its parameter, or "known" for what needs none."""
     return model.parameters[parameter].name if parameter < len(model.parameters) else "known"
 
 
-def inertial(model: Model) -> dict[str, str]:
+def inertial(model: ModelStructure) -> dict[str, str]:
     """Return {name: formula} of the base parameters in masses, lengths and inertias, as derived."""
     if model.chain:
         found = base_parameters(model.chain, model.pull, model.moving_base)
@@ -197,7 +197,7 @@ def operations(function: Any) -> int:
     return sum(function.instruction_id(k) not in silent for k in range(function.n_instructions()))
 
 
-def stale_files(model: Model, folder: str | Path) -> tuple[str, ...]:
+def stale_files(model: ModelStructure, folder: str | Path) -> tuple[str, ...]:
     """Return the names of files in `folder` that differ from what the model generates today, byte for byte."""
     stale = []
     for name, text in generate(model).files.items():
@@ -219,7 +219,7 @@ def _casadi_text(made: dict[str, Any]) -> str:
 _TITLE = "/* Written by `exoid generate` through SymPy and CasADi; never edited by hand. See the header. */\n"
 
 
-def _loops(model: Model, memories: int, entries: int) -> str:
+def _loops(model: ModelStructure, memories: int, entries: int) -> str:
     """Return the C loops over samples; arrays are row by row, a sample per row."""
     joints = len(model.joints)
     states = len(state_names(joints, model.base_state, len(model.channels)))
@@ -234,7 +234,7 @@ def _loops(model: Model, memories: int, entries: int) -> str:
     return text + "#ifdef __cplusplus\n}\n#endif\n"
 
 
-def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:
+def _header(model: ModelStructure, entries: list[tuple[int, int]], memories: list[str]) -> str:
     parameters = [f"  {k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)]
     shapes = [f"  {k}: {in_comment(f'{s.name} [{s.shape.unit}]')}" for k, s in enumerate(model.shapes)]
     names, state = model.joint_names, state_names(

@@ -31,7 +31,7 @@ from exoid.symbolic.mechanics.tree import offset_changes, tree_changes
 from exoid.symbolic.mechanics.virtual_work import force_torques, space_force_torques
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
     from exoid.symbolic.term import Term
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ class Expressions:
     reach: Any
 
 
-def model_expressions(model: Model, symbols: Mapping[str, Any] | None = None) -> Expressions:
+def model_expressions(model: ModelStructure, symbols: Mapping[str, Any] | None = None) -> Expressions:
     """Return the model's equation of motion in CasADi; EffectError where a torque is not linear in a
     coefficient.
 
@@ -94,7 +94,7 @@ def model_expressions(model: Model, symbols: Mapping[str, Any] | None = None) ->
 class _Builder:
     """Collects symbols, columns and memories while walking over the terms once."""
 
-    def __init__(self, model: Model, symbols: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, model: ModelStructure, symbols: Mapping[str, Any] | None = None) -> None:
         import casadi
 
         self.ca = casadi

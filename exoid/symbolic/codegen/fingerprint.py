@@ -17,14 +17,14 @@ from exoid.symbolic.joints import HERE, Joint
 
 if TYPE_CHECKING:
     from exoid.symbolic.effect import Effect
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
     from exoid.symbolic.term import Term
 
 GENERATING = ("language", "mechanics", "codegen")
 """Folders of `symbolic/` whose code decides what is generated."""
 
 
-def model_key(model: Model) -> str:
+def model_key(model: ModelStructure) -> str:
     """Return the hash of everything the numbers of a model depend on, plus its name and limits."""
     limits = {joint: [*limit.angle, limit.velocity, limit.acceleration] for joint, limit in model.limits.items()}
     own = [[effect.id, effect.joints, repr(effect.torque)] for effect in model.custom]
@@ -32,12 +32,12 @@ def model_key(model: Model) -> str:
 
 
 @lru_cache(maxsize=1024)  # each is asked for thousands of times
-def equations_key(model: Model) -> str:
+def equations_key(model: ModelStructure) -> str:
     """Return the hash of the model's equations alone: models that differ in name or limits share it."""
     return sha256(canonical_json(model_data(model)))
 
 
-def model_data(model: Model) -> dict[str, Any]:
+def model_data(model: ModelStructure) -> dict[str, Any]:
     """Return the content that decides the equations, as plain data."""
     content: dict[str, Any] = {"thigh_length": model.thigh_length.hex()}
     if model.chain:

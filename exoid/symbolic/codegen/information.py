@@ -26,7 +26,7 @@ from exoid.symbolic.memory import memory_operations
 from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Information:
     and high angle, speed, acceleration.
     """
 
-    model: Model
+    model: ModelStructure
     names: tuple[str, ...]
     linear: Float
     shape: Float
@@ -150,7 +150,7 @@ _DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 
 def information(
-    model: Model,
+    model: ModelStructure,
     linear: Any,
     shape: Any,
     limits: Any,
@@ -181,7 +181,7 @@ def information(
     )  # fmt: skip
 
 
-def number_names(model: Model) -> tuple[str, ...]:
+def number_names(model: ModelStructure) -> tuple[str, ...]:
     """Return the names (M,) of what a motion can inform about: parameters, then shapes that are not choices."""
     return tuple(p.name for p in model.parameters) + tuple(s.name for s in model.shapes if not s.shape.choices)
 
@@ -192,7 +192,7 @@ def _evaluated(function: Any, motion: Motion, linear: Float, shape: Float, size:
     return values.reshape(motion.q.shape[1], len(motion), size)
 
 
-def central_differences(model: Model, motion: Motion, linear: Float, shape: Float) -> Float:
+def central_differences(model: ModelStructure, motion: Motion, linear: Float, shape: Float) -> Float:
     """Return the derivatives (J, N, M) of the torque by central differences, for models whose operators have a past."""
     at = np.concatenate([linear, shape])
     count = len(linear)

@@ -12,13 +12,13 @@ from exoid.symbolic.codegen.equation import model_expressions
 from exoid.symbolic.codegen.instructions import scalar_c, template
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 Entries = tuple[tuple[int, int, int], ...]
 
 
 @lru_cache(maxsize=8)
-def sensitivity_function(model: Model) -> Any:
+def sensitivity_function(model: ModelStructure) -> Any:
     """Return the CasADi function (state (1 + 4J,), numbers (P + S,)) -> sensitivities (J, M)."""
     import casadi
 
@@ -29,7 +29,7 @@ def sensitivity_function(model: Model) -> Any:
     return casadi.Function("sensitivities", [state, casadi.vertcat(x.linear, x.shape)], [slopes], {"cse": True})
 
 
-def products(model: Model) -> tuple[Entries, Any]:
+def products(model: ModelStructure) -> tuple[Entries, Any]:
     """Return the (joint, number, number) of every product that is not zero, and the CasADi function of their values.
 
     It takes (state (1 + 4J,), numbers (P + S,)), the state's signs being means over a sample's cell: in a cell with a
@@ -50,7 +50,7 @@ def products(model: Model) -> tuple[Entries, Any]:
     return entries, casadi.Function("terms", [state, numbers], [casadi.densify(values)], {"cse": True})
 
 
-def information_code(model: Model, harmonics: int) -> GeneratedC:
+def information_code(model: ModelStructure, harmonics: int) -> GeneratedC:
     """Return the C of one model, and which sums it makes."""
     entries, terms = products(model)
     count = len(model.parameters) + len(model.shapes)

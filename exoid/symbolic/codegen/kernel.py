@@ -23,14 +23,14 @@ from exoid.symbolic.memory import memory_operations, memory_signals
 from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
     """A model that runs fast; `entries` are the (joint, parameter) of its columns that are not zero."""
 
-    model: Model
+    model: ModelStructure
     entries: tuple[tuple[int, int], ...]
     needs_reference: bool
     library: CompiledLibrary | None
@@ -175,7 +175,7 @@ columns of forces."""
 _RECENT: dict[tuple[str, str], Compiled] = {}
 
 
-def compiled(model: Model, backend: str = "auto") -> Compiled:
+def compiled(model: ModelStructure, backend: str = "auto") -> Compiled:
     """Return the compiled form of `model`; `backend` "auto" takes C where there is a compiler, "vm" never
     does.
     """
@@ -188,7 +188,7 @@ def compiled(model: Model, backend: str = "auto") -> Compiled:
     return found if found.model is model else replace(found, model=model)
 
 
-def _make(model: Model, backend: str) -> Compiled:
+def _make(model: ModelStructure, backend: str) -> Compiled:
     library = None
     if backend != "vm":
         names = (f"leg_{name}_many" for name in ("columns", *widths(len(model.joints), model.spatial)))
@@ -204,7 +204,7 @@ def _make(model: Model, backend: str) -> Compiled:
     return Compiled(model, entries, reference_needed(expressions), None, functions(expressions))
 
 
-def _source(model: Model) -> GeneratedC:
+def _source(model: ModelStructure) -> GeneratedC:
     from exoid.symbolic.codegen.code import generate
 
     made = generate(model)

@@ -14,11 +14,16 @@ from exoid.symbolic.mechanics.spatial import KINDS, joint_torques, link_columns
 from exoid.symbolic.mechanics.spatial_energy import lagrange_torques
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 
 def spatial_columns(
-    model: Model, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], linear: Any, base: Sequence[Any] = ()
+    model: ModelStructure,
+    q: Sequence[Any],
+    dq: Sequence[Any],
+    ddq: Sequence[Any],
+    linear: Any,
+    base: Sequence[Any] = (),
 ) -> tuple[list[list[Any]], list[Any]]:
     """Return the torque at every joint (J,) per unit of each base parameter (P,), for CasADi expressions of the motion,
     and the torque (J,) of them all with the numbers `linear`, a shorter form than the sum of the columns; `base` (12,)

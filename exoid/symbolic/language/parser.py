@@ -187,7 +187,10 @@ class _Parser:
             return _Part(Name(word, token.span), 1, CONSTANTS[word])
         if word in FUNCTIONS or word in OPERATORS:
             raise self.refuse(f"{word} is a function", token.span, f"give it its argument: {word}(...)")
-        raise self.unknown("name", token, self.names | CONSTANTS.keys())
+        words = self.names | CONSTANTS.keys()
+        functions = FUNCTIONS.keys() | OPERATORS.keys()
+        misspelt = nearest(word, functions, 1) and not nearest(word, words, 1)
+        raise self.unknown("function", token, functions) if misspelt else self.unknown("name", token, words)
 
     def call(self, token: Token) -> _Part:
         word = token.text
@@ -259,10 +262,7 @@ class _Parser:
 
     def unknown(self, kind: str, token: Token, allowed: Collection[str]) -> ExpressionError:
         """Return the refusal of an unknown word: the nearest allowed ones, then all of them."""
-        near = nearest(token.text, allowed, 2)
+        typed = sorted(word for word in allowed if "_by_" not in word)  # slopes of a torque are the catalogue's own
+        near = nearest(token.text, typed, 2)
         hint = f"did you mean {' or '.join(near)}? " if near else ""
-        return self.refuse(
-            f"unknown {kind} {token.text!r}",
-            token.span,
-            f"{hint}allowed {kind}s: {', '.join(sorted(allowed))}",
-        )
+        return self.refuse(f"unknown {kind} {token.text!r}", token.span, f"{hint}allowed {kind}s: {', '.join(typed)}")

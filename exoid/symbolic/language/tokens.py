@@ -115,7 +115,7 @@ def _stranger(text: str, at: int) -> ExpressionError:
     elif character in "[]{}":
         remedy = "use round brackets"
     elif character == ".":
-        remedy = "a point belongs into a number; there are no attributes"
+        remedy = "a point belongs into a number; functions have no module before them, as in sin(theta)"
     else:
         remedy = "use ASCII letters, digits, + - * / ** ( ) and commas"
     return refusal(f"the character {label} is not allowed", text, (at, at + 1), remedy)

@@ -15,7 +15,7 @@ import numpy as np
 from exoid.ground.errors import ExoidError
 from exoid.symbolic.joints import JOINT_NAME, Vector
 from exoid.symbolic.mechanics.spatial import about_joint
-from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import ModelStructure
 from exoid.symbolic.motion import Float, read_only
 
 LINKS = ("thigh", "shank")
@@ -70,9 +70,9 @@ class Payload:
 
     def numbers(self, thigh_length: float) -> Float:
         """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
-        return self.added(Model.standard(thigh_length))
+        return self.added(ModelStructure.standard(thigh_length))
 
-    def added(self, model: Model) -> Float:
+    def added(self, model: ModelStructure) -> Float:
         """Return what it adds to the base parameters (P,) of a model's machine; PayloadError where that has no such
         link, or other coordinates.
         """

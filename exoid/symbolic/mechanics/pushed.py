@@ -16,7 +16,7 @@ from exoid.symbolic.mechanics.spatial import wrench_torques
 from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from exoid.symbolic.model import Model
+    from exoid.symbolic.model_structure import ModelStructure
 
 
 def pushed_torques(
@@ -40,7 +40,7 @@ def pushed_torques(
     return np.asarray(np.column_stack([row + zero for row in asked]))
 
 
-def placed_joints(model: Model) -> tuple[Joint, ...]:
+def placed_joints(model: ModelStructure) -> tuple[Joint, ...]:
     """Return the joints of a model with the lengths of their links, those of the leg too."""
     if model.chain:
         return model.chain

@@ -53,7 +53,7 @@ def load_model(path: str | None) -> Model:
 
     if path is None:
         return Model.standard()
-    from exoid.symbolic.model_file import read_model
+    from exoid.symbolic.model import read_model
 
     return read_model(path)
 

@@ -13,7 +13,7 @@ from math import isfinite
 from exoid.optimisation.linear.bodies import Body3D
 from exoid.optimisation.linear.links import LinkInertia, tree_of
 from exoid.symbolic.joints import HERE, Joint, parents
-from exoid.symbolic.model import STANDARD_GRAVITY
+from exoid.symbolic.model_structure import STANDARD_GRAVITY
 from exoid.workbench.bodies import (
     base_name,
     bodies_of,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import date
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,8 @@ FALLING = "The error falling"
 NOTHING: Mapping[str, str] = MappingProxyType({})
 FOLDERS = re.compile(r"""(?<![\w.~/\\])(?:/|[A-Za-z]:[/\\]+)(?:[^\s/\\:"'<>]+[/\\]+)+""")
 """The folders of an absolute path, up to the name of the file."""
+MOST_NAMED = 4
+"""Recordings whose names stand below the title; of more their number is told."""
 WIDE = 6.5
 """Inches from which on a figure does not share its row with another."""
 
@@ -62,10 +65,24 @@ class Material:
     settings: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     seconds: float | None = None
     payload: Any = None
+    made: date = field(default_factory=date.today)
+
+    @property
+    def about(self) -> str:
+        """The line below the title: machine, files, and the day on which the report was made."""
+        parts = [str(getattr(self.model, "name", "")), _some(self.recordings), _some(self.verify, "held out ")]
+        parts.append(f"{self.made.day} {self.made:%B %Y}")
+        return " · ".join(part for part in parts if part)
 
     def pictures_in(self, section: str) -> tuple[Picture, ...]:
         """Return the pictures that belong to `section`."""
         return tuple(picture for picture in self.pictures if picture.section == section)
+
+
+def _some(recordings: Sequence[Recording], before: str = "") -> str:
+    names = [recording.name for recording in recordings[:MOST_NAMED]]
+    more = len(recordings) - len(names)
+    return (before + ", ".join(names) + (f" and {more} more" if more else "")) if names else ""
 
 
 def pictures_of(*results: Any, section: str = "") -> tuple[Picture, ...]:

@@ -13,7 +13,8 @@ from types import MappingProxyType
 import numpy as np
 
 from exoid.symbolic.joints import Joint
-from exoid.symbolic.model import Limits, Model
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_structure import Limits
 
 
 def _vary(rng: np.random.Generator, *values: float) -> tuple[float, ...]:

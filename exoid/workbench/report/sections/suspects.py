@@ -36,6 +36,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         )
         for place, one in enumerate(found["suspects"][:MOST], start=1)
     ]
+    words = {one.get("sureness", "") for one in found["suspects"][:MOST]}
     names = (
         "rank", "effect", "what it means", "explains", "how sure", "look-alikes in these data", "caution", "p-value",
         "id",
@@ -44,7 +45,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     return {
         "head": head,
         "rows": shown,
-        "meanings": meanings_of(one.get("sureness", "") for one in found["suspects"][:MOST]),
+        "meanings": meanings_of(words - {material.diagnosis.sureness}),  # that one stands at the top of the page
         "pictures": material.pictures_in("suspects"),
         "more": max(0, len(found["suspects"]) - MOST),
         "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},

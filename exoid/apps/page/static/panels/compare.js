@@ -174,7 +174,7 @@ function head(recordings) {
   const span = () => view.range || [0, longest()];
   const by = (factor) => () => zoom((span()[0] + span()[1]) / 2, factor, ...span(), longest());
   const move = (share) => () => showRange(span()[0] + share * (span()[1] - span()[0]), span()[1] + share * (span()[1] - span()[0]), longest());
-  const mode = h("button", { type: "button", "aria-pressed": String(Boolean(view.moving)), title: "what dragging does in plots over time" }, "drag moves");
+  const mode = h("button", { type: "button", "aria-pressed": String(Boolean(view.moving)), title: "what dragging does in plots over time" }, "pan");
   mode.addEventListener("click", () => {
     view.moving = !view.moving;
     set(mode, { "aria-pressed": String(view.moving) });

@@ -150,7 +150,7 @@ function discover(search) {
       button(words, () => doing(tell("discover")), { "data-testid": "discover", class: other || (verdict.judged && words === "Discover") ? "" : "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
       auto.running && h("span", { class: "faint", "data-testid": "judging" }, h("progress", { "aria-label": "judging" }), " judging …"),
       search.message && h("span", { class: "faint" }, search.message),
-      h("label", { class: "auto" }, h("input", { type: "checkbox", checked: auto.on, "data-testid": "auto", onchange: (event) => automatic(event.target.checked) }), " by itself"),
+      h("label", { class: "auto" }, h("input", { type: "checkbox", checked: auto.on, "data-testid": "auto", onchange: (event) => automatic(event.target.checked) }), " auto-run"),
     );
   }
   const bar = h("progress", { max: "1", value: search.fraction, "data-testid": "progress", "aria-label": "progress of the search" });

@@ -56,7 +56,7 @@ export function ticks(low, high, most) {
   const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough);
   const out = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * span; k++) out.push(k * step);
-  return out;
+  return out.length > 1 ? out : ticks(low, high, 2 * Math.max(1, most)); // one number tells no scale
 }
 
 export function tickText(value, step) {

@@ -1,0 +1,16 @@
+"""The torques were logged by a clock that runs faster or slower than that of the angles."""
+
+from __future__ import annotations
+
+from exoid.diagnosis.hypotheses import Claim, each_said
+from exoid.symbolic.model import Model
+
+
+def claims(model: Model) -> tuple[Claim, ...]:
+    """None: it shifts the motion instead of adding torque (`exoid.diagnosis.own_numbers.clocks`)."""
+    return ()
+
+
+def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
+    """Sentence on the rates {recording: words} of the torques' clock."""
+    return f"The clock of the torques runs at another rate than that of the angles: {each_said(values)}"

@@ -1,0 +1,65 @@
+"""Where something changes within a recording: a load is taken up, a zero jumps, a drive warms up and moves easier."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid.diagnosis.own_numbers.fits import Fits
+from exoid.diagnosis.own_numbers.state import Cuts, State
+from exoid.ground.ties import index_of_least
+from exoid.optimisation.linear.loss import huber_terms
+from exoid.symbolic.motion import Float
+
+PACE = 0.5
+"""Seconds between moments at which a change is looked for first."""
+LEAST = 2.0
+"""Seconds before and after a change that are needed to see it."""
+
+
+def changes_of(fits: Fits, state: State) -> Cuts:
+    """Kept samples at which recordings are cut, beside what is held of the whole of them: where what may belong to
+    recordings, with other numbers before than after, explains at least a little of what is left.
+    """
+    step = fits.fitted(state, np.ones((len(fits.rows), 2)))
+    found: Cuts = {}
+    for k, (rows, left) in enumerate(zip(fits.rows, fits.left_by(state, [step, step]), strict=True)):
+        rate = fits.now.prepared.all[k].kept_rate
+        least, many = int(LEAST * rate), rows.shape[1]
+        places = np.arange(least, many - least, max(1, int(PACE * rate)))
+        if not len(places):
+            continue
+        columns = np.concatenate([rows[:, :, fits.count : -1], left[:, :, None]], axis=2) / fits.sigma[:, None, None]
+        size = np.maximum(np.abs(columns[:, :, -1]), 1e-300)
+        weighted = columns * np.minimum(1.0, fits.rules.robust / size)[:, :, None]
+        ends = zip([0, *places], [*places, many], strict=True)
+        grams = np.array([np.tensordot(columns[:, a:b], weighted[:, a:b], ((0, 1), (0, 1))) for a, b in ends])
+        before = np.cumsum(grams, axis=0)
+        split = [_left(gram) + _left(before[-1] - gram) for gram in before[:-1]]
+        best = index_of_least(split)
+        if split[best] <= (1.0 - fits.rules.little) * _left(before[-1]):
+            found[k] = int(places[best])
+    return found
+
+
+def _left(gram: Float) -> float:
+    """Squared error that the columns of a Gram matrix leave of its last one."""
+    own, product, square = gram[:-1, :-1], gram[:-1, -1], gram[-1, -1]
+    return max(float(square - product @ np.linalg.lstsq(own, product, rcond=1e-10)[0]), 0.0)
+
+
+def sharpened(fits: Fits, state: State) -> Cuts:
+    """Cuts of those recordings whose parts differ in what is held, at the sample that fits best."""
+    step = fits.fitted(state, np.ones((len(fits.rows), 2)))
+    own = fits.chosen(state) @ np.append(-step, 1.0)
+    found: Cuts = {}
+    for k, parts in enumerate(fits.everyone):
+        if len(parts) < 2 or np.array_equal(own[parts[0]], own[parts[1]]):
+            continue
+        rows = np.concatenate([fits.rows[j] for j in parts], axis=1)
+        before, after = (
+            huber_terms(np.abs(rows @ own[j]) / fits.sigma[:, None], fits.rules.robust).sum(axis=0) for j in parts
+        )
+        least = int(LEAST * fits.now.prepared.all[k].kept_rate)
+        change = np.cumsum(before - after)[least - 1 : len(before) - least]
+        found[k] = least + int(np.argmin(change))
+    return found

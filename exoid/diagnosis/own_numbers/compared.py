@@ -1,0 +1,40 @@
+"""Two models compared on the same recordings, block by block of each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.rules import Rules
+from exoid.symbolic.motion import Float
+
+
+def predicts_better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
+    """Whether a model beside what belongs to recordings predicts clearly better than the `last` one without."""
+    once, then = (one.recording_losses(last.scale, rules) for one in (last, rival))
+    return total(then) <= (1.0 - rules.worth_telling) * total(once) and clearer(once, then) >= rules.clear
+
+
+def explained_by(last: FittedModel, rival: FittedModel) -> float:
+    """Share of itself by which the loss of all recordings falls from the `last` model to a rival."""
+    once, then = (total(one.recording_losses(last.scale)) for one in (last, rival))
+    return 1.0 - then / once
+
+
+def clearer(once: Sequence[Float], then: Sequence[Float]) -> float:
+    """Standard errors by which losses `then`, blocks of each recording, are below `once`.
+
+    What belongs to a recording shows there and nowhere else: blocks are compared with those of their own recording.
+    """
+    falls = [a - b for a, b in zip(once, then, strict=True)]
+    fall = float(sum(one.sum() for one in falls))
+    spread = float(np.sqrt(sum(np.sum((one - one.mean()) ** 2) for one in falls)))
+    least = 1e-9 * float(sum(one.sum() for one in once))
+    return fall / max(spread, least) if abs(fall) > least else 0.0
+
+
+def total(losses: Sequence[Float]) -> float:
+    """Loss of all recordings together."""
+    return float(sum(one.sum() for one in losses))

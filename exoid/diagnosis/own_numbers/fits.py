@@ -1,0 +1,190 @@
+"""The model and what may belong to recordings, fitted together to halves of them by Gram matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exoid.diagnosis.evidence.curves import splines_along
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import pooled_scale
+from exoid.diagnosis.evidence.gram import inverse_of
+from exoid.diagnosis.hypotheses import Claim, Seen, claims_of
+from exoid.diagnosis.own_numbers.compared import clearer, total
+from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of
+from exoid.diagnosis.rules import Rules
+from exoid.optimisation.linear.loss import huber_terms
+from exoid.symbolic.motion import Float
+
+REWEIGHTED = 3
+"""Times that residuals are weighted anew for the last numbers."""
+
+
+def _nothing(seen: Seen) -> Float:
+    return np.zeros((*seen.torque.shape, 1))
+
+
+class Fits:
+    """All parts of recordings with a fitted model, ready to be fitted anew with claims.
+
+    Rows and columns of a Gram matrix are those of the model, the pieces of all claims, and the residual. Where
+    recordings are cut, a zero may also begin at the cut.
+    """
+
+    def __init__(self, now: FittedModel, rules: Rules, cuts: Cuts) -> None:
+        evidence = now.evidence(seed=0, draws=0, rules=rules)
+        self.now, self.rules, self.blocks, self.cuts = now, rules, evidence.blocks, cuts
+        self.parts = parts_of(self.blocks, cuts)
+        self.count = self.blocks[0].columns.shape[2]
+        self.prior = evidence.prior
+        self.claims = claims_of(now.model)
+        pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
+        ends = self.count + np.cumsum([0, *(one.shape[2] for one in pieces[0])])
+        self.place = {claim: slice(a, b) for claim, a, b in zip(self.claims, ends[:-1], ends[1:], strict=True)}
+        if cuts:
+            late = {claim: replace(claim, everyone=False) for claim in self.claims if claim.everyone}
+            self.place |= {claim: self.place[whole] for whole, claim in late.items()}
+            self.claims = (*self.claims, *late.values())
+        rows = [
+            np.concatenate([block.columns, *own, block.residual[:, :, None]], axis=2) * block.use[:, :, None]
+            for block, own in zip(self.blocks, pieces, strict=True)
+        ]
+        self.rows = [rows[part.recording][:, part.kept] for part in self.parts]
+        self.use = [self.blocks[part.recording].use[:, part.kept] for part in self.parts]
+        self.starts = [part.starts(self.blocks[part.recording], rules.block_seconds) for part in self.parts]
+        self.curves: dict[str | None, State] = {}
+        self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
+        self.grams = self.weigh(())
+
+    @property
+    def everyone(self) -> tuple[tuple[int, ...], ...]:
+        """Groups of parts, those of each recording together."""
+        last = range(len(self.blocks))
+        return tuple(tuple(j for j, part in enumerate(self.parts) if part.recording == k) for k in last)
+
+    def moved(self, other: Fits, state: State) -> State:
+        """What is held of other fits to these recordings, where they are cut elsewhere or not at all."""
+        out = []
+        for held in state:
+            claim = self.claims[other.claims.index(held.claim)]
+            groups = [tuple(j for j in range(len(self.parts)) if self._is_in(j, other, group)) for group in held.groups]
+            out.append(Claimed(claim, held.node, tuple(dict.fromkeys(groups))))
+        return tuple(out)
+
+    def _is_in(self, j: int, other: Fits, group: tuple[int, ...]) -> bool:
+        """Whether a part of a recording, or one like it, is among a group of parts of other fits."""
+        own = self.parts[j]
+        alike = [other.parts[i] for i in group if other.parts[i].recording == own.recording]
+        return any(own.whole or one.whole or (own.start == 0) == (one.start == 0) for one in alike)
+
+    def _seen(self, k: int) -> Seen:
+        now, block = self.now, self.blocks[k]
+        own = len(now.model.parameters)
+        return Seen(now.model, now.linear, block.columns[:, :, :own], now.torque(k), now.prepared.all[k].t)
+
+    def chosen(self, state: State) -> Float:
+        """What makes the model's columns, those of `state` and the residual of all rows, (R, D, Q + 1)."""
+        width, groups = self.rows[0].shape[2], [(held, group) for held in state for group in held.groups]
+        out = np.zeros((len(self.rows), width, self.count + len(groups) + 1))
+        out[:, : self.count, : self.count] = np.eye(self.count)
+        for c, (held, group) in enumerate(groups, self.count):
+            out[list(group), self.place[held.claim], c] = held.claim.mix(held.node)
+        out[:, -1, -1] = 1.0
+        return out
+
+    def weigh(self, state: State) -> Float:
+        """Gram matrices (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for."""
+        left = [r[:, :, -1] for r in self.rows]
+        for _ in range(REWEIGHTED if state else 1):
+            sigma = pooled_scale([(r, use) for r, use in zip(left, self.use, strict=True)])
+            out = []
+            for rows, r in zip(self.rows, left, strict=True):
+                size = np.maximum(np.abs(r), 1e-300)
+                weight = np.minimum(1.0, self.rules.robust * sigma[:, None] / size) / sigma[:, None] ** 2
+                half = rows.shape[1] // 2
+                parts = [(rows[:, s], rows[:, s] * weight[:, s, None]) for s in (slice(0, half), slice(half, None))]
+                out.append([np.tensordot(a, b, ((0, 1), (0, 1))) for a, b in parts])
+            self.grams = np.array(out)
+            if state:
+                left = self.left_by(state, [self.fitted(state, np.ones((len(self.rows), 2)))] * 2)
+        return self.grams
+
+    def sums(self, state: State) -> Float:
+        """Gram matrices (R, 2, Q + 1, Q + 1) of halves for model, state and residual."""
+        chosen = self.chosen(state)[:, None]
+        return np.asarray(np.swapaxes(chosen, 2, 3) @ self.grams @ chosen)
+
+    def fitted(self, state: State, which: Float) -> Float:
+        """Numbers (Q,) of model and state fitted to the halves that are one in `which` (R, 2)."""
+        return self.solved(np.tensordot(which, self.sums(state), ((0, 1), (0, 1))))[0]
+
+    def solved(self, whole: Float) -> tuple[Float, Float]:
+        """Numbers (Q,) that a Gram matrix (Q + 1, Q + 1) asks for, and the inverse (Q, Q) of its normal matrix."""
+        prior = np.zeros(len(whole) - 1)
+        prior[: self.count] = self.prior
+        inverse = inverse_of(whole[:-1, :-1] + np.diag(prior))
+        return inverse @ whole[:-1, -1], inverse
+
+    def loss(self, state: State) -> float:
+        """Weighted squared error of every half, judged by numbers of the other halves; infinite where a
+        number is none that can be.
+        """
+        sums, loss = self.sums(state).sum(axis=0), 0.0
+        for own, other in ((0, 1), (1, 0)):
+            step = self.solved(sums[own])[0]
+            if not self._possible(state, step):
+                return np.inf
+            both = np.append(-step, 1.0)
+            loss += float(both @ sums[other] @ both)
+        return loss
+
+    def _possible(self, state: State, step: Float) -> bool:
+        bounds = [held.claim.bounds for held in state for _ in held.groups]
+        return all(low <= x <= high for x, (low, high) in zip(step[self.count :], bounds, strict=True))
+
+    def left_by(self, state: State, steps: Sequence[Float]) -> list[Float]:
+        """What is left (J, K) of each part, its halves by the numbers `steps` (2, Q)."""
+        out = []
+        for rows, chosen in zip(self.rows, self.chosen(state), strict=True):
+            half = rows.shape[1] // 2
+            own = [chosen @ np.append(-step, 1.0) for step in steps]
+            out.append(np.concatenate([rows[:, :half] @ own[0], rows[:, half:] @ own[1]], axis=1))
+        return out
+
+    def losses(self, state: State) -> list[Float]:
+        """Huber loss in blocks of each part, each half judged by numbers of the other halves."""
+        sums = self.sums(state).sum(axis=0)
+        left = self.left_by(state, [self.solved(sums[other])[0] for other in (1, 0)])
+        out = []
+        for r, starts in zip(left, self.starts, strict=True):
+            size = huber_terms(np.abs(r) / self.sigma[:, None], self.rules.robust)
+            out.append(np.add.reduceat(size.sum(axis=0), starts))
+        return out
+
+    def pays(self, before: State, after: State, clear: float) -> bool:
+        """Whether `after` predicts the other halves clearly better than `before`, and by a part worth telling."""
+        once, then = self.losses(before), self.losses(after)
+        enough = total(then) <= (1.0 - self.rules.worth_telling) * total(once)
+        return enough and bool(np.isfinite(self.loss(after))) and clearer(once, then) >= clear
+
+    def curve(self, joint: str | None) -> State:
+        """A curve as claims of all recordings together, one for each spline; none where `joint` is no joint."""
+        names = self.now.model.joint_names
+        if joint in self.curves or joint not in names:
+            return self.curves.get(joint, ())
+        place = names.index(joint)
+        everywhere = replace(self.now, prepared=replace(self.now.prepared, train=self.now.prepared.all, verify=()))
+        splines = splines_along(everywhere, f"dq{place + 1}", place, "sign", self.rules.knots)
+        if splines is None:
+            return ()
+        first, many = self.rows[0].shape[2] - 1, splines.basis.shape[1]
+        for k, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
+            columns = np.zeros((*rows.shape[:2], many))
+            columns[place] = splines.columns[part.recording].values[0, 0][part.kept] * use[place][:, None]
+            self.rows[k] = np.concatenate([rows[:, :, :-1], columns, rows[:, :, -1:]], axis=2)
+        claims = [Claim("curve", joint, "N·m", _nothing, (-np.inf, np.inf)) for _ in range(many)]
+        self.place |= {claim: slice(first + k, first + k + 1) for k, claim in enumerate(claims)}
+        self.curves[joint] = tuple(Claimed(claim, 0.0, (tuple(range(len(self.rows))),)) for claim in claims)
+        return self.curves[joint]

@@ -1,0 +1,197 @@
+"""The search for what belongs to recordings.
+
+What every recording has (a zero) is tried first; then whatever lowers the loss most, with as many recordings as it
+takes, again and again; and what is needless beside the rest is dropped. Where recordings then change midway they are
+cut there, and the search goes on with their parts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from statistics import NormalDist
+
+import numpy as np
+
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.own_numbers.changes import changes_of, sharpened
+from exoid.diagnosis.own_numbers.compared import clearer, total
+from exoid.diagnosis.own_numbers.fits import Fits
+from exoid.diagnosis.own_numbers.numbers import OwnNumbers, with_numbers
+from exoid.diagnosis.own_numbers.state import Claimed, State
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.ties import ascending, index_of_least, least_of
+
+TRIED = 4
+"""Claims that are looked at more closely in a round, those that promise most."""
+FINER = 3
+"""Times that the grid of a place is made finer."""
+
+
+def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
+    """What belongs to recordings, or to a part of them, beside a model; None where nothing does."""
+    names = [one.name for one in now.prepared.all]
+    if len(set(names)) < len(names) or len(names) > rules.own_recordings:
+        return None
+    fits = Fits(now, rules, {})
+    held = _Search(fits).found(()) if len(names) > 1 else ()
+    cuts = changes_of(fits, held)
+    if cuts:
+        in_parts = Fits(now, rules, cuts)
+        then = _Search(in_parts).found(in_parts.moved(fits, held))
+        if cuts := sharpened(in_parts, then):
+            fits = Fits(now, rules, cuts)
+            held = _Search(fits).placed(fits.moved(in_parts, then))
+    return with_numbers(fits, held) if held else None
+
+
+class _Search:
+    """The search among the claims of some fits."""
+
+    def __init__(self, fits: Fits) -> None:
+        self.fits, self.rules, self.many = fits, fits.rules, len(fits.parts)
+        questions = sum(1 if one.everyone else self.many for one in fits.claims)
+        self.clear = max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / questions))
+        """Standard errors by which one of so many claims is better, not by chance."""
+
+    def found(self, state: State) -> State:
+        """The claims that hold, of those that are held already and others."""
+        for claim in self.fits.claims:
+            own = Claimed(claim, claim.nodes[0], self.fits.everyone)
+            held = any(one.claim is claim for one in state)
+            if claim.everyone and not held and self.fits.pays(self._needless(state, own), (*state, own), self.clear):
+                state = (*state, own)
+        while True:
+            self.fits.weigh(state)
+            longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
+            best = least_of(longer, self.fits.loss, 1.0) if longer else state
+            if not self.fits.pays(state, best, self.clear) or self._is_a_curve(state, best[-1]):
+                break
+            state = best
+        self.fits.weigh(state)
+        return self._pruned(state)
+
+    def placed(self, state: State) -> State:
+        """The same claims, each at the node that fits best."""
+        self.fits.weigh(state)
+        return self._all_placed(state)
+
+    def _all_placed(self, state: State) -> State:
+        for one in state:
+            others = tuple(other for other in state if other is not one)
+            state = tuple(self._placed(others, other) if other is one else other for other in state)
+        return state
+
+    def _is_a_curve(self, rest: State, held: Claimed) -> bool:
+        """Whether one curve in its joint's velocity, the same in all recordings, explains what a claim does: where each
+        recording has a speed of its own, friction that depends on speed looks like friction that differs.
+        """
+        curve = self.fits.curve(held.claim.place)
+        if not curve:
+            return False
+        self.fits.weigh((*rest, held))
+        return not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
+
+    def _promising(self, state: State) -> list[Claimed]:
+        """of every claim that is not held the recording and node that promise most, the best few."""
+        taken = {held.claim for held in state}
+        free = [one for one in self.fits.claims if not one.everyone and one not in taken]
+        nodes = [(claim, node) for claim in free for node in claim.nodes]
+        if not nodes:
+            return []
+        mixed = np.zeros((self.fits.rows[0].shape[2], len(nodes)))
+        for c, (claim, node) in enumerate(nodes):
+            mixed[self.fits.place[claim], c] = claim.mix(node)
+        low, high = np.array([claim.bounds for claim, _ in nodes]).T
+        # What one recording has less of all others have more of, where the model's own numbers hold what all have.
+        low = np.where([claim.shared for claim, _ in nodes], -high, low)
+        sums, chosen = self.fits.sums(state), self.fits.chosen(state)
+        whole = sums.sum(axis=0)
+        now = 0.0
+        losses, numbers = np.zeros((2, self.many, len(nodes)))
+        solved = [self.fits.solved(whole[own]) for own in (0, 1)]
+        for own, other in ((0, 1), (1, 0)):
+            step, inverse = solved[own]
+            both = np.append(-step, 1.0)
+            now += float(both @ whole[other] @ both)
+            for k in range(self.many):
+                fit, held = (chosen[k].T @ self.fits.grams[k, h] @ mixed for h in (own, other))
+                square = [
+                    np.einsum("dn,de,en->n", mixed, self.fits.grams[k, h], mixed, optimize=True) for h in (own, other)
+                ]
+                lean = inverse @ fit[:-1]
+                power = square[0] - np.sum(fit[:-1] * lean, axis=0)
+                seen = power > self.rules.negligible * square[0]
+                number = np.where(seen, (fit[-1] - step @ fit[:-1]) / np.where(seen, power, 1.0), 0.0)
+                moved = np.vstack([-(step[:, None] - lean * number), np.ones(len(nodes))])
+                left = np.einsum("qn,qr,rn->n", moved, whole[other], moved, optimize=True)
+                left += number**2 * square[1] - 2.0 * number * np.sum(moved * held, axis=0)
+                numbers[k] += number
+                losses[k] += np.where((low <= number) & (number <= high), left, np.inf)
+        best: list[tuple[float, Claimed]] = []
+        for claim in free:
+            mine = [c for c, (one, _) in enumerate(nodes) if one is claim]
+            k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
+            less = claim.shared and numbers[k, mine[c]] < 0.0
+            group = tuple(j for j in range(self.many) if (j == k) != less)
+            best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
+        useful = [one for one in best if one[0] <= (1.0 - self.rules.least_share) * now]
+        return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
+
+    def _grown(self, state: State, held: Claimed) -> Claimed:
+        """a claim with as many recordings as clearly have it."""
+        held = self._placed(state, held)
+        while True:
+            others = self._others(held)
+            if not others:
+                return held
+            best = self._placed(state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
+            clear = self.rules.clear if held.claim.shared else self.clear
+            once, then = self.fits.losses((*state, held)), self.fits.losses((*state, best))
+            if not np.isfinite(self.fits.loss((*state, best))) or clearer(once, then) < clear:
+                return held
+            held = best
+
+    def _others(self, held: Claimed) -> list[Claimed]:
+        """a claim with one recording more; of a number that is shared, also with one less. One recording at
+        least says what is usual.
+        """
+        every = range(self.many)
+        if held.claim.shared:
+            toggled = [tuple(j for j in every if (j in held.groups[0]) != (j == k)) for k in every]
+            return [replace(held, groups=(one,)) for one in toggled if 0 < len(one) < len(every)]
+        inside = {k for group in held.groups for k in group}
+        longer = [tuple(sorted((*held.groups, (k,)))) for k in every if k not in inside]
+        return [replace(held, groups=one) for one in longer if len(one) < len(every)]
+
+    def _placed(self, state: State, held: Claimed) -> Claimed:
+        """a claim at the node that fits best."""
+        nodes = np.array(held.claim.nodes)
+        if len(nodes) < 2:
+            return held
+        step = float(nodes[1] - nodes[0])
+        best = held
+        for _ in range(1 + FINER):
+            tried = [replace(held, node=float(node)) for node in nodes]
+            best = least_of(tried, lambda one: self.fits.loss((*state, one)), 1.0)
+            nodes = best.node + step * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
+            nodes = nodes[nodes > 0.0]
+            step *= 0.25
+        return best
+
+    def _pruned(self, state: State) -> State:
+        """the claims that are not needless beside the others."""
+        while len(state) > 1:
+            rivals = [self._needless(tuple(one for one in state if one is not out), out) for out in state]
+            best = index_of_least([total(self.fits.losses(one)) for one in rivals])
+            if self.fits.pays(rivals[best], state, self.clear):
+                break
+            state = rivals[best][: len(state) - 1]
+        return state
+
+    def _needless(self, rest: State, held: Claimed) -> State:
+        """what explains as much where a claim is needless: nothing, or of what everyone has, the same number in
+        all recordings; that is the machine's, and has its place in the catalogue.
+        """
+        same = tuple(range(self.many))
+        rest = (*rest, replace(held, groups=(same,))) if held.claim.everyone else rest
+        return self._all_placed(rest)

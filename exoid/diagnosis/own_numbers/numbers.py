@@ -1,0 +1,239 @@
+"""What belongs to recordings, with its numbers: told with their intervals, and taken out of recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import pooled_scale
+from exoid.diagnosis.hypotheses import Claim, Seen, hypotheses
+from exoid.diagnosis.own_numbers.fits import Fits
+from exoid.diagnosis.own_numbers.state import Claimed, Part, State
+from exoid.diagnosis.rules import Rules
+from exoid.ground.plain import AsJson
+from exoid.ground.ties import least_of
+from exoid.optimisation.linear.uncertainty import covariance
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
+
+Span = tuple[float | None, float | None]
+"""From when and until when, s; None for the beginning and the end of a recording."""
+
+
+@dataclass(frozen=True, eq=False)
+class Belonging(AsJson):
+    """What belongs to recordings: `values` {recording: its number} in `unit`, at a joint or link, as a `sentence`.
+
+    Those that are not named are as usual. `place` is where a load is, m; None where it has none or nobody can tell.
+    `spans` {recording: (from, until)} in s are those of recordings of which it holds in one part only.
+    """
+
+    what: str
+    joint: str | None
+    unit: str
+    values: Mapping[str, Estimate]
+    sentence: str
+    place: Estimate | None = None
+    spans: Mapping[str, Span] = field(default_factory=dict)
+
+    def _json(self) -> dict[str, Any]:
+        values = {name: {"value": e.value, "low": e.low, "high": e.high} for name, e in self.values.items()}
+        out: dict[str, Any] = {
+            "what": self.what,
+            "joint": self.joint,
+            "unit": self.unit,
+            "values": values,
+            "sentence": self.sentence,
+        }
+        if self.place is not None:
+            out["place"] = self.place
+        if self.spans:
+            out["spans"] = {name: {"from": start, "until": stop} for name, (start, stop) in self.spans.items()}
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class OwnNumbers:
+    """What belongs to recordings beside the model `now`: the claims that are `held` of `parts` of them, their `numbers`
+    (C,), and for each part those (2, C) by which its two halves are judged.
+    """
+
+    now: FittedModel
+    parts: tuple[Part, ...]
+    held: State
+    numbers: Float
+    judged: Float
+    told: tuple[Belonging, ...]
+
+    def applied(self, prepared: Prepared) -> Prepared:
+        """The recordings without the torque that belongs to them alone; of held-out ones each half without what the
+        other half says.
+        """
+        train = tuple(self._applied(one, unseen=False) for one in prepared.train)
+        return replace(prepared, train=train, verify=tuple(self._applied(one, unseen=True) for one in prepared.verify))
+
+    def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
+        names = [known.name for known in self.now.prepared.all]
+        if one.name not in names:
+            return one
+        known = np.zeros(one.wide_tau.shape)
+        for j, part in enumerate(self.parts):
+            if names[part.recording] != one.name or not any(j in group for held in self.held for group in held.groups):
+                continue
+            edges = [0, *one.kept[1:], len(one.motion)]
+            start, middle, stop = (edges[k] for k in (part.start, (part.start + part.stop) // 2, part.stop))
+            both = self.judged[j] if unseen else [self.numbers, self.numbers]
+            for half, numbers in zip((slice(start, middle), slice(middle, stop)), both, strict=True):
+                known[half] = self._torque(one, j, numbers)[half]
+        return one.beside_own(known) if known.any() else one
+
+    def _torque(self, one: PreparedRecording, j: int, numbers: Float) -> Float:
+        """Torque (N, J) that belongs to a part of a recording, before the filter."""
+        model, linear, shape = self.now.model, self.now.linear, self.now.shapes[self.parts[j].recording]
+        columns = model.columns(one.motion, shape, linear if model.needs_reference else None)
+        seen = Seen(model, linear, columns, model.torque(one.motion, linear, shape).T, one.motion.t)
+        out, at = np.zeros(seen.torque.shape), 0
+        for held in self.held:
+            column = held.claim.pieces(seen) @ held.claim.mix(held.node)
+            for group in held.groups:
+                out += numbers[at] * column * (j in group)
+                at += 1
+        return out.T
+
+    def agrees(self, other: OwnNumbers) -> bool:
+        """Whether another look finds the same in the same recordings, within its intervals."""
+        one, two = ({(b.what, b.joint, n): e for b in own.told for n, e in b.values.items()} for own in (self, other))
+        return one.keys() == two.keys() and all(two[k].low <= e.value <= two[k].high for k, e in one.items())
+
+    def without(self, names: Sequence[str]) -> tuple[Belonging, ...]:
+        """What is told of the recordings that are not among `names`."""
+        kept = (replace(b, values={n: e for n, e in b.values.items() if n not in names}) for b in self.told)
+        return tuple(b for b in kept if b.values)
+
+
+def with_numbers(fits: Fits, state: State) -> OwnNumbers:
+    """The claims that are held with their numbers and intervals."""
+    which = np.ones((len(fits.rows), 2))
+    step = fits.fitted(state, which)
+    judged = np.zeros((len(fits.rows), 2, len(step) - fits.count))
+    for j, half in np.ndindex(len(fits.rows), 2):
+        if any(j in group for held in state for group in held.groups):
+            others = which.copy()
+            others[j, half] = 0.0
+            judged[j, half] = fits.fitted(state, others)[fits.count :]
+    numbers, spread = step[fits.count :], _spread(fits, state, step)
+    told, at = [], 0
+    for held in state:
+        many = len(held.groups)
+        told += _told(fits, held, numbers[at : at + many], spread, at)
+        at += many
+    return OwnNumbers(fits.now, fits.parts, state, numbers, judged, tuple(told))
+
+
+@dataclass(frozen=True, eq=False)
+class _Spread:
+    """The covariance of all numbers, of which the first `count` are the model's; `places` {claim: its place's}."""
+
+    matrix: Float
+    critical: float
+    width: Float
+    count: int
+    places: Mapping[Claim, int]
+
+    def number(self, at: int) -> float:
+        """Half-width of an own number."""
+        return float(self.width[self.count + at])
+
+    def load(
+        self, claim: Claim, node: float, number: float, at: int, rules: Rules
+    ) -> tuple[list[float], Float, str, Estimate | None]:
+        """Half-width, value and unit of a load and its place; where nobody can tell these apart, of its first moment or
+        inertia, without a place.
+        """
+        rows = [self.count + at, self.places[claim]]
+        both, far = self.matrix[np.ix_(rows, rows)], self.width[rows]
+        if np.all(far <= rules.half * np.array([number, node])):
+            place = Estimate("place", node, "m", node - float(far[1]), node + float(far[1]))
+            return [float(far[0])], np.array([number]), claim.unit, place
+        told = []
+        for power, unit in ((1, "kg·m"), (2, "kg·m²")):
+            slope = np.array([node**power, power * number * node ** (power - 1)])
+            width = self.critical * float(np.sqrt(max(slope @ both @ slope, 0.0)))
+            told.append((width / (number * node**power), width, number * node**power, unit))
+        _, width, value, unit = least_of(told, lambda one: one[0], 1.0)
+        return [width], np.array([value]), unit, None
+
+
+def _spread(fits: Fits, state: State, step: Float) -> _Spread:
+    """How well numbers and places are known, valid under autocorrelation."""
+    left = fits.left_by(state, [step, step])
+    sigma = pooled_scale(list(zip(left, fits.use, strict=True)))
+    groups = [(held, group) for held in state for group in held.groups]
+    slopes = []
+    for c, (held, group) in enumerate(groups):
+        if len(held.claim.nodes) > 1:
+            h = 1e-4 * held.node
+            turn = (held.claim.mix(held.node + h) - held.claim.mix(held.node - h)) / (2.0 * h)
+            slopes.append((held.claim, group, step[fits.count + c] * turn))
+    columns = []
+    for j, (rows, chosen) in enumerate(zip(fits.rows, fits.chosen(state), strict=True)):
+        own = [rows[:, :, fits.place[claim]] @ turn * (j in group) for claim, group, turn in slopes]
+        columns.append(np.concatenate([rows @ chosen[:, :-1], *(x[:, :, None] for x in own)], axis=2))
+    recordings = np.repeat([part.recording for part in fits.parts], [one.shape[1] for one in columns])
+    found = covariance(
+        np.concatenate(columns, axis=1), np.concatenate(left, axis=1), fits.rules.robust * sigma, recordings
+    )
+    places = {claim: fits.count + len(groups) + k for k, (claim, _, _) in enumerate(slopes)}
+    return _Spread(found.matrix, found.critical, found.half_widths(), fits.count, places)
+
+
+def _told(fits: Fits, held: Claimed, numbers: Float, spread: _Spread, at: int) -> list[Belonging]:
+    """What a claim says of whole recordings, of what comes before a change, and after one: each by itself."""
+    claim, prepared = held.claim, fits.now.prepared
+    known = [spread.number(at + k) for k in range(len(numbers))]
+    unit, place = claim.unit, None
+    if len(claim.nodes) > 1:
+        known, numbers, unit, place = spread.load(claim, held.node, float(numbers[0]), at, fits.rules)
+    told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
+    for group, x, w in zip(held.groups, claim.usual + numbers, known, strict=True):
+        for j in group:
+            part = fits.parts[j]
+            halved = not part.whole and not all(i in group for i in fits.everyone[part.recording])
+            kind = "whole" if not halved else "until" if part.start == 0 else "from"
+            values, spans = told.setdefault(kind, ({}, {}))
+            name = prepared.all[part.recording].name
+            values[name] = Estimate(claim.what, x, unit, x - w, x + w)
+            if halved:
+                spans[name] = part.span(prepared)
+    out = []
+    for values, spans in told.values():
+        said = {name: _said(values[name]) for name in sorted(values)}
+        where = "" if place is None else f" at {_said(place)}"
+        sentence = hypotheses()[claim.what].said(claim.place, said, where, _when(spans))
+        ordered = {name: values[name] for name in said}
+        out.append(Belonging(claim.what, claim.place, unit, ordered, sentence, place, spans))
+    return out
+
+
+def _when(spans: Mapping[str, Span]) -> str:
+    """ "From 12.0 s on", "Until 3.1 to 4.0 s"; "" for whole recordings."""
+    if not spans:
+        return ""
+    late = all(start is not None for start, _ in spans.values())
+    times = sorted(start if late else stop for start, stop in spans.values())  # type: ignore[type-var]
+    ends = list(dict.fromkeys(f"{time:.1f}" for time in (times[0], times[-1])))
+    return f"From {' to '.join(ends)} s on" if late else f"Until {' to '.join(ends)} s"
+
+
+def _said(one: Estimate) -> str:
+    """ "0.91 ± 0.02 N·m"."""
+    half = 0.5 * (one.high - one.low)
+    digits = max(0, 1 - int(np.floor(np.log10(half)))) if half > 0.0 and np.isfinite(half) else 3
+    unit = "" if one.unit == "1" else f" {one.unit}"
+    return f"{one.value:.{digits}f} ± {half:.2g}{unit}"
