@@ -89,8 +89,8 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
 def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Sequence[Joint] | None = None) -> Given:
     """Return a file that cannot be read as it is, read as was told of another one; as it is where that does not help.
 
-    Of an answer counts what this file has: its leg, convention and passive joints, and the columns and units of those
-    that are there.
+    Of an answer counts what this file has: its leg, convention, passive joints and rate, and the columns and units of
+    those that are there.
     """
     from exoid.measurement.reading.mapping import factors_of
     from exoid.measurement.reading.read import open_table, read_as_told
@@ -103,8 +103,9 @@ def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Seque
         columns = {name: column for name, column in said.columns.items() if names.issuperset(factors_of(column, names))}
         units = {name: unit for name, unit in said.units.items() if not columns or name in columns}
         told = replace(
-            given.told, columns=columns, units=units, leg=said.leg, convention=said.convention, passive=said.passive
-        )
+            given.told, columns=columns, units=units, leg=said.leg, convention=said.convention, passive=said.passive,
+            rate=said.rate,
+        )  # fmt: skip
         try:
             recordings = read_as_told(given.path, told, joints)
         except ExoidError:
@@ -162,7 +163,10 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "guess": guess,
         "sides": list(sides),
         "guesses": guesses,
-        "told": {"leg": told.leg, "passive": told.passive, "columns": dict(told.columns), "units": dict(told.units)},
+        "told": {
+            "leg": told.leg, "passive": told.passive, "columns": dict(told.columns), "units": dict(told.units),
+            "rate": told.rate,
+        },
         "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),

@@ -218,7 +218,7 @@ class Workspace:
         from exoid.measurement.reading.read import open_table
 
         old = self.find(id)
-        kept = {name: getattr(old.told, name) for name in ("join", "payloads", "only", "rate")}
+        kept = {name: getattr(old.told, name) for name in ("join", "payloads", "only")}
         said = replace(told, **kept)
         one = files.read_given(replace(old, told=said), self.remembered, self.joints)
         if one.error is not None:

@@ -54,6 +54,26 @@ def test_a_strange_file_is_mapped_once_and_no_name_is_markup(serve, visit, tmp_p
     assert page.evaluate("document.documentElement.scrollWidth") <= 380
 
 
+def test_a_file_without_a_clock_asks_for_its_rate_and_the_next_one_has_it_too(serve, visit, tmp_path):
+    files = []
+    for name in ("train_1.csv", "train_2.csv"):
+        lines = (DATA / name).read_text().splitlines()
+        (tmp_path / name).write_text("\n".join(line.partition(",")[2] for line in lines) + "\n", encoding="utf-8")
+        files.append(tmp_path / name)
+    page = visit(serve().url)
+    page.get_by_test_id("pick-files").set_input_files(files)
+    dialog = page.get_by_test_id("map-dialog")
+    dialog.wait_for()
+    page.get_by_test_id("map-rate").fill("often")
+    page.get_by_test_id("map-apply").click()
+    expect(page.get_by_test_id("map-error")).to_contain_text("no rate")
+    page.get_by_test_id("map-rate").fill("100")
+    page.get_by_test_id("map-apply").click()
+    expect(dialog).to_have_count(0)
+    wait_ready(page)  # the second file was read in the same way
+    expect(page.get_by_test_id("recordings").locator(".finding.refused")).to_have_count(0)
+
+
 def test_of_a_weaker_suspect_it_is_said_what_explains_more(serve, visit):
     page = visit(serve(DATA / "train_1.csv", DATA / "train_2.csv", "--verify", DATA / "verify.csv").url)
     page.get_by_test_id("suspect-stribeck:knee").hover()

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from exoid.apps.page.given import mapping_preview
 from exoid.apps.page.reply import as_json, number_in
+from exoid.ground.errors import RecordingError
 from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.read import how_read
 
 if TYPE_CHECKING:
     from exoid.apps.page.reply import Action, Answer
@@ -15,11 +17,21 @@ if TYPE_CHECKING:
 
 def _map(workspace: Workspace, told: dict[str, Any]) -> None:
     columns, units = ({str(k): str(v) for k, v in told[key].items() if v} for key in ("columns", "units"))
-    idle = told.get("passive", workspace.find(int(told["file"])).told.passive)
+    before = workspace.find(int(told["file"])).told
+    idle = told.get("passive", before.passive)
     said = StatedMapping(
-        columns, units, str(told.get("leg", "")), str(told.get("convention", "")), passive=tuple(map(str, idle))
-    )
+        columns, units, str(told.get("leg", "")), str(told.get("convention", "")), passive=tuple(map(str, idle)),
+        rate=_rate(told["rate"]) if "rate" in told else before.rate,
+    )  # fmt: skip
     workspace.map_file(int(told["file"]), said)
+
+
+def _rate(text: Any) -> float:
+    """Return the Hz that were written beside a file without a clock, 0 where nothing was; RecordingError for others."""
+    try:
+        return how_read(rate=float(text or 0.0)).rate
+    except ValueError as error:
+        raise RecordingError(f"{str(text)[:20]!r} is no rate", remedy="give it in Hz: 100") from error
 
 
 ANSWERS: dict[str, Answer] = {

@@ -15,7 +15,7 @@ let waiting = null;
 // A remedy of the command line, as it is done on the page.
 export function inPage(remedy) {
   return remedy.replace(/--leg (left|right|ipsi|contra)( or --leg \w+)*( \(two recordings\))?/, "press the leg that is meant")
-    .replace(/--map (\w+)=COLUMN/g, "choose one as $1").replace(/--map (\w+)=("[^"]*"|'[^']*'|[^\s,;]+)/g, "choose $2 as $1").replace(/--units (\S+)/g, "write the unit beside the column ($1)").replace(/--passive (\w+) where that joint has no drive/g, "choose “no drive” for the torque of the $1").replace(/first give --convention (\S+)/g, "first read them as $1").replace(/give --convention (\S+)/g, "read them as $1").replace(/--verify/g, "“held out”");
+    .replace(/--map (\w+)=COLUMN/g, "choose one as $1").replace(/--map (\w+)=("[^"]*"|'[^']*'|[^\s,;]+)/g, "choose $2 as $1").replace(/--units (\S+)/g, "write the unit beside the column ($1)").replace(/--passive (\w+) where that joint has no drive/g, "choose “no drive” for the torque of the $1").replace(/first give --convention (\S+)/g, "first read them as $1").replace(/give --convention (\S+)/g, "read them as $1").replace(/--rate (\d+)( \([^)]*\))?/g, "write it beside “no clock” ($1)").replace(/--verify/g, "“held out”");
 }
 
 // A file that cannot be read as it is opens the dialog by itself, once; the dialog goes when the file could be read after all.
@@ -46,6 +46,8 @@ export async function openMapping(id) {
   const rows = table.wanted.map((wanted) => wantedRow(wanted, table));
   const leg = choice("map-leg", [["", "not said"], ...["left", "right", "both"].map((name) => [name, name])], table.told.leg);
   const convention = choice("map-convention", [["", "exoid's own"], ...table.conventions.map((one) => [one.name, `${one.name}: ${one.what}`])], table.convention);
+  const rate = h("input", { id: "map-rate", type: "text", inputmode: "decimal", size: 8, "data-testid": "map-rate", placeholder: "Hz", value: table.told.rate || "" });
+  const clocked = table.guess.t && !table.told.rate && !/--rate/.test(table.error?.remedy || "");
   const dialog = h("dialog", { class: "form", "data-testid": "map-dialog", "aria-labelledby": "map-title", onclose: () => dialog.remove() },
     h("h2", { id: "map-title" }, "Which column is what? ", h("span", { class: "file-name" }, table.name)),
     sided && sides(),
@@ -53,6 +55,7 @@ export async function openMapping(id) {
     table.findings.map((finding) => h("div", { class: `finding ${finding.severity}` }, h("p", {}, finding.what), finding.remedy && h("p", { class: "remedy" }, finding.remedy))),
     h("div", { class: "scroll", tabindex: "0", "aria-label": "the columns of the file" }, preview(table)),
     h("div", { class: "mapping" }, rows.filter((row) => row.required).map((row) => row.element)),
+    h("div", { class: "row mapping-row", hidden: clocked }, h("label", { for: "map-rate" }, "no clock: samples a second"), rate),
     h("details", { open: rows.some((row) => !row.required && row.column.value) }, h("summary", {}, "what else the file may hold: velocities, accelerations, forces"),
       h("div", { class: "mapping" }, rows.filter((row) => !row.required).map((row) => row.element))),
     h("details", {}, h("summary", {}, "leg and convention"), h("label", { for: "map-leg" }, "leg ", leg), h("label", { for: "map-convention" }, "angles and torques are counted as ", convention)),
@@ -69,7 +72,7 @@ export async function openMapping(id) {
   async function takeSide(side) {
     leg.value = side;
     try {
-      await tell("map", { file: id, columns: {}, units: {}, leg: side, convention: convention.value });
+      await tell("map", { file: id, columns: {}, units: {}, leg: side, convention: convention.value, rate: rate.value.trim() });
       dialog.close();
     } catch (problem) {
       const guess = table.guesses[side] || {};
@@ -86,7 +89,7 @@ export async function openMapping(id) {
     const columns = Object.fromEntries(named.map((row) => [row.name, row.column.value]));
     const units = Object.fromEntries(named.filter((row) => row.unit.value.trim()).map((row) => [row.name, row.unit.value.trim()]));
     try {
-      await tell("map", { file: id, columns, units, passive, leg: leg.value, convention: convention.value });
+      await tell("map", { file: id, columns, units, passive, leg: leg.value, convention: convention.value, rate: rate.value.trim() });
       dialog.close();
     } catch (problem) {
       showError(problem);
