@@ -9,7 +9,7 @@ torque, each times a number that belongs to a recording (the zero of its torque 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
@@ -88,6 +88,12 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
 def each_said(values: dict[str, str]) -> str:
     """Return "run_0 0.91 ± 0.02, run_2 0.2 ± 0.02"."""
     return ", ".join(f"{name} {text}" for name, text in values.items())
+
+
+def listed(names: Iterable[str]) -> str:
+    """ "run_0, run_1 and run_2"."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def than_usual(what: str, when: str) -> str:

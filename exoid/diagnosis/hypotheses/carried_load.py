@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, each_said
+from exoid.diagnosis.hypotheses import Claim, Seen, each_said, listed
 from exoid.symbolic.mechanics.payload import HEAVIEST, LINKS
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -41,7 +41,7 @@ def _mix(at: float) -> Float:
 
 def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the loads {recording: words}, and where they hang."""
-    names, words = " and ".join(filter(None, [", ".join([*values][:-1]), [*values][-1]])), next(iter(values.values()))
+    names, words = listed(values), next(iter(values.values()))
     each = "" if len(set(values.values())) == 1 else f" ({each_said(values)})"
     what = f"{words}{where}" if not each else f"something{where}{each}"
     verb = "carry" if len(values) > 1 else "carries"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.diagnosis.hypotheses import Claim, each_said
+from exoid.diagnosis.hypotheses import Claim, each_said, listed
 from exoid.symbolic.model import Model
 
 
@@ -13,4 +13,7 @@ def claims(model: Model) -> tuple[Claim, ...]:
 
 def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the rates {recording: words} of the torques' clock."""
+    if len(set(values.values())) == 1:
+        rate = next(iter(values.values()))
+        return f"The clock of the torques runs {rate} than that of the angles in {listed(values)}"
     return f"The clock of the torques runs at another rate than that of the angles: {each_said(values)}"
