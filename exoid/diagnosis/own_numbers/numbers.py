@@ -82,14 +82,16 @@ class OwnNumbers:
         names = [known.name for known in self.now.prepared.all]
         if one.name not in names:
             return one
-        known = np.zeros(one.wide_tau.shape)
+        known, t = np.zeros(one.wide_tau.shape), one.motion.t
         for j, part in enumerate(self.parts):
-            if names[part.recording] != one.name or not any(j in group for held in self.held for group in held.groups):
+            whole = self.now.prepared.all[part.recording]
+            if whole.name != one.name or not any(j in group for held in self.held for group in held.groups):
                 continue
-            edges = [0, *one.kept[1:], len(one.motion)]
-            start, middle, stop = (edges[k] for k in (part.start, (part.start + part.stop) // 2, part.stop))
+            start, stop = part.span(self.now.prepared)
+            inside = (t >= (-np.inf if start is None else start)) & (t < (np.inf if stop is None else stop))
+            early = t < whole.t[(part.start + part.stop) // 2]
             both = self.judged[j] if unseen else [self.numbers, self.numbers]
-            for half, numbers in zip((slice(start, middle), slice(middle, stop)), both, strict=True):
+            for half, numbers in zip((inside & early, inside & ~early), both, strict=True):
                 known[half] = self._torque(one, j, numbers)[half]
         return one.beside_own(known) if known.any() else one
 
