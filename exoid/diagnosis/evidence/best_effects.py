@@ -26,6 +26,7 @@ def as_given(base: FittedModel) -> FittedModel:
     return replace(base, prepared=replace(prepared, findings=rest, misread=()))
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # angles that are misread may be of any size
 def may_leave_noise(base: FittedModel, rules: Rules) -> bool:
     """Screening before a search: whether entries of the catalogue, the best one after the other, leave about the noise.
     Each must explain much, or so few of them never get there.
