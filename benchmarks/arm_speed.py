@@ -36,7 +36,7 @@ def write(folder: Path, joints: int) -> list[str]:
     arm = Arm.of(f"load_friction:{joints}:1", rng)
     machine = folder / f"arm_{joints}.urdf"
     machine.write_text(arm.text)
-    model = spatial_machine(parse_robot(arm.text.encode())).model
+    model = model_of(spatial_machine(parse_robot(arm.text.encode())).model)
     files = []
     for k, seconds in enumerate(SECONDS):
         run = simulate(arm, rng, f"run_{k}", model, seconds, RATE)

@@ -120,13 +120,13 @@ def _text(values: Float) -> str:
 
 
 def simulate(
-    arm: Arm, rng: np.random.Generator, name: str, model: Model, seconds: float = SECONDS, rate: float = RATE
+    arm: Arm, rng: np.random.Generator, name: str, model: Model, seconds: float = SECONDS, hertz: float = RATE
 ) -> Recording:
     """Return a recording of an arm that follows a drawn motion."""
     import pinocchio as pin
 
     robot = pin.buildModelFromXML(arm.text)
-    data, t, j = robot.createData(), np.arange(round(seconds * rate)) / rate, arm.j
+    data, t, j = robot.createData(), np.arange(round(seconds * hertz)) / hertz, arm.j
     q, v, a = (np.zeros((len(t), robot.nv)) for _ in range(3))
     q += rng.uniform(-0.6, 0.6, robot.nv)
     for k in range(1, WAVES + 1):
