@@ -29,6 +29,7 @@ def write(folder: Path, joints: int) -> list[str]:
     """Write model and recordings of an arm; return what `exoid discover` is asked."""
     from benchmarks.pinocchio_arms import Arm, simulate
     from exoid.measurement.recording import to_csv
+    from exoid.symbolic.model import model_of
     from exoid.symbolic.robot_file import parse_robot
     from exoid.symbolic.spatial_machine import spatial_machine
 
