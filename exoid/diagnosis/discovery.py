@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Unpack
 
@@ -85,21 +85,33 @@ def answer_of(
     What belongs to recordings (a zero of their own, a load) is a rival explanation of what the best model leaves: where
     it predicts clearly better, the answer is that beside it.
     """
-    began = time.perf_counter()
+    asking = _Asking(question, tick, found, time.perf_counter())
     given, many = question.fitted(recordings, verify, tick, prepared), len(recordings)
-    every, again = (*recordings, *verify), partial(_again, question, given, many, tick)
-    answer = _beside_own(question, given, recordings, verify, tick, found, began)
+    answer = _beside_own(asking, given, recordings, verify)
     if (answer.verdict == "adequate" and answer.error is None) or answer.outside:
         return answer
-    clock = one_clock(given, every, again, question.rules)
+    clock = one_clock(given, (*recordings, *verify), partial(_again, question, given, many, tick), question.rules)
     if clock is None:
         return answer
-    moved = clock.recordings
-    rival = _beside_own(question, clock.fitted, moved[:many], moved[many:], tick, found, began)
+    rival = _beside_own(asking, clock.fitted, clock.recordings[:many], clock.recordings[many:])
     if rival.verdict == "adequate":
         return with_own(rival, clock.told, given)
     # What a clock that is known only about leaves resembles effects: none is named beside it.
     return replace(answer, of_recordings=clock.told) if given.prepared.clocks else answer
+
+
+@dataclass(frozen=True, eq=False)
+class _Asking:
+    """A question, where its progress is told, what hears of every step of the search, and when it began."""
+
+    question: Question
+    tick: Progress
+    found: Callable[[Sequence[Step]], None] | None
+    began: float
+
+    def part(self, low: float, high: float) -> _Asking:
+        """The same, whose progress goes from `low` to `high`."""
+        return replace(self, tick=_part(self.tick, low, high))
 
 
 def _again(
@@ -116,27 +128,22 @@ def _again(
 
 
 def _beside_own(
-    question: Question,
-    base: FittedModel,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording],
-    tick: Progress,
-    found: Callable[[Sequence[Step]], None] | None,
-    began: float,
+    asking: _Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis:
     """Return the answer beside what belongs to recordings, where that predicts clearly better."""
-    answer = _of_machine(question, base, recordings, verify, tick, found, began)
-    rules, given = question.rules, base.prepared
+    answer = _of_machine(asking, base, recordings, verify)
+    question, given = asking.question, base.prepared
+    rules = question.rules
     last = _on(answer.fit, given)
     own = None if given.misread or answer.outside else belonging_to(last, rules)
     own = own and (belonging_to(base, rules) or own)
     if own is None:
         return answer
     for _ in range(ROUNDS):
-        beside = replace(question, own=own)
-        fitted = beside.fitted(recordings, verify, tick, own.applied(given))
-        rival = _of_machine(beside, fitted, recordings, verify, tick, found, began)
-        explained = _on(rival.fit, own.applied(given))
+        beside, without = replace(question, own=own), own.applied(given)
+        fitted = beside.fitted(recordings, verify, asking.tick, without)
+        rival = _of_machine(replace(asking, question=beside), fitted, recordings, verify)
+        explained = _on(rival.fit, without)
         before, own = own, belonging_to(_on(rival.fit, given), rules) or own
         if own.agrees(before):
             break
@@ -174,28 +181,23 @@ def _on(fit: Fit, prepared: Prepared) -> FittedModel:
 
 
 def _of_machine(
-    question: Question,
-    base: FittedModel,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording],
-    tick: Progress,
-    found: Callable[[Sequence[Step]], None] | None,
-    began: float,
+    asking: _Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis:
     """Return the answer of these recordings, to which `base` is fitted; those that are not of what the others are of
     are left out, and the others are answered.
     """
+    question = asking.question
     odd = apart(base, question.rules) if len(base.prepared.all) > OTHERS else ()
     fitted = [one for k, one in enumerate(recordings) if k not in odd]
     held = [one for k, one in enumerate(verify, len(recordings)) if k not in odd]
     if not odd or not fitted or (verify and not held):
-        return _answer(question, base, recordings, verify, tick, found, began)
-    half = _part(tick, 0.0, 0.5)
-    of_others = _answer(question, question.fitted(fitted, held, half), fitted, held, half, found, began)
+        return _answer(asking, base, recordings, verify)
+    half = asking.part(0.0, 0.5)
+    of_others = _answer(half, question.fitted(fitted, held, half.tick), fitted, held)
     odd = still_apart(base, of_others.fit, odd, question.rules)
     if odd and of_others.accepted:
         return _without(of_others, base, odd, question.rules)
-    whole = _answer(question, base, recordings, verify, _part(tick, 0.5, 1.0), found, began)
+    whole = _answer(asking.part(0.5, 1.0), base, recordings, verify)
     if not odd or whole.accepted or of_others.verdict != "adequate":
         return whole
     # An effect that these alone show is one of the machine, unless numbers of their own explain far more.
@@ -215,22 +217,17 @@ def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int], rules: Ru
 
 
 def _answer(
-    question: Question,
-    base: FittedModel,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording],
-    tick: Progress,
-    found: Callable[[Sequence[Step]], None] | None,
-    began: float,
+    asking: _Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis:
     """Return the answer of all these recordings together, to which `base` is fitted."""
+    question, tick = asking.question, asking.tick
     rules, splits = question.rules, question.asked.splits
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
-    done = question.search(base, whole, found)
+    done = question.search(base, whole, asking.found)
     prepared, state = done.prepared, done.found.state
 
     def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:
-        return write_up(done, (Extension(done.base),), (), None, possible, answer, began)
+        return write_up(done, (Extension(done.base),), (), None, possible, answer, asking.began)
 
     if done.answer is not None:
         return as_given(done.answer)
@@ -280,7 +277,7 @@ def _answer(
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
     if sway is not None and not accepted:
         answer = swayed(sway, answer, last.model.joints)
-    return write_up(done, extensions, accepted, left, possible, answer, began, leading)
+    return write_up(done, extensions, accepted, left, possible, answer, asking.began, leading)
 
 
 def _agreed(

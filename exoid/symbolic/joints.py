@@ -195,7 +195,8 @@ def check_joints(joints: Sequence[Joint]) -> None:
             )
         if spatial:
             _check_spatial(joint, where)
-    motors_of(joints)
+    if any(joint.motor for joint in joints):
+        motors_of(joints)
     for k, parent in enumerate(parents(joints)):
         if parent is not None and joints[parent].length is None and not spatial:
             raise EffectError(

@@ -24,7 +24,7 @@ from exoid.symbolic.model_file import Identified, read_structure, write_model
 from exoid.symbolic.model_structure import ModelStructure
 from exoid.symbolic.motion import Float, Motion
 from exoid.symbolic.robot_file import RobotFile, read_robot
-from exoid.symbolic.spatial_machine import robot_structure
+from exoid.symbolic.spatial_machine import RobotMachine, robot_structure
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -114,18 +114,9 @@ class Model(ModelStructure):
         return held_places(self)
 
 
-@dataclass(frozen=True, eq=False)
-class RobotMachine:
-    """The `model` of a machine in a robot file, the names its joints have there, and what is worth saying about it."""
-
-    model: Model
-    names: tuple[str, ...]
-    notes: tuple[str, ...]
-
-
 def robot_machine(
     robot: RobotFile, names: Sequence[str] = (), gravity: float | None = None, where: str = "URDF"
-) -> RobotMachine:
+) -> RobotMachine[Model]:
     """Return the machine that the joints called `names` (default: all that move) make; others stand still at zero.
 
     `gravity` in m/s² is that within the plane of a planar machine, or downwards. RobotFileError says what is wrong with

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -34,20 +35,21 @@ DIGITS = 12
 """Of m and rad that are kept of what several joints of the file make together."""
 
 
-@dataclass(frozen=True, eq=False)
-class RobotStructure:
-    """The `model` of a machine in a robot file, what it consists of, the names its joints have there, and what is worth
-    saying about it.
-    """
+Machine = TypeVar("Machine", bound=ModelStructure)
 
-    model: ModelStructure
+
+@dataclass(frozen=True, eq=False)
+class RobotMachine(Generic[Machine]):
+    """The `model` of a machine in a robot file, the names its joints have there, and what is worth saying about it."""
+
+    model: Machine
     names: tuple[str, ...]
     notes: tuple[str, ...]
 
 
 def robot_structure(
     robot: RobotFile, names: Sequence[str] = (), gravity: float | None = None, where: str = "URDF"
-) -> RobotStructure:
+) -> RobotMachine[ModelStructure]:
     """Return the machine that the joints called `names` (default: all that move) make; others stand still at zero.
 
     `gravity` in m/s² is that within the plane of a planar machine, or downwards. RobotFileError says what is wrong with
@@ -57,19 +59,21 @@ def robot_structure(
         planar = planar_machine(robot, names, gravity, where)
     except NotPlanarError as error:
         return _spatial(robot, names, STANDARD_GRAVITY if gravity is None else gravity, where, error.what)
-    return RobotStructure(planar.model, planar.names, planar.notes)
+    return RobotMachine(planar.model, planar.names, planar.notes)
 
 
 def spatial_machine(
     robot: RobotFile, names: Sequence[str] = (), gravity: float = STANDARD_GRAVITY, where: str = "URDF"
-) -> RobotStructure:
+) -> RobotMachine[ModelStructure]:
     """Return the spatial machine of the joints called `names`, whether or not they move in a plane; arguments as of
     `robot_structure`.
     """
     return _spatial(robot, names, gravity, where, "")
 
 
-def _spatial(robot: RobotFile, names: Sequence[str], gravity: float, where: str, why: str) -> RobotStructure:
+def _spatial(
+    robot: RobotFile, names: Sequence[str], gravity: float, where: str, why: str
+) -> RobotMachine[ModelStructure]:
     joints, carriers = chosen_joints(robot, names, where)
     chosen = [one.name for one in joints]
     made, notes = [], [f"a spatial machine: {why}"] if why else []
@@ -79,9 +83,7 @@ def _spatial(robot: RobotFile, names: Sequence[str], gravity: float, where: str,
         axis, turned = _axis(one, where)
         rounded = rounded or moved or turned
         kind = "prismatic" if one.kind == "prismatic" else "revolute"
-        made.append(
-            Joint(plain_name(one.name), kind, None, carrier_name(k, carrier, chosen), axis=axis, origin=origin)
-        )
+        made.append(Joint(plain_name(one.name), kind, None, carrier_name(k, carrier, chosen), axis=axis, origin=origin))
         if made[-1].name != one.name:
             notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
     if rounded:
@@ -89,7 +91,7 @@ def _spatial(robot: RobotFile, names: Sequence[str], gravity: float, where: str,
     notes += held_still(robot, joints)
     limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
     model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
-    return RobotStructure(model, tuple(chosen), tuple(notes))
+    return RobotMachine(model, tuple(chosen), tuple(notes))
 
 
 def _origin(robot: RobotFile, one: RobotJoint, carrier: RobotJoint | None, where: str) -> tuple[Origin, bool]:

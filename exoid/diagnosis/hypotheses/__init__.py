@@ -97,7 +97,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def than_usual(what: str, when: str) -> str:
-    """ "The ... than in the other recordings", or "From 12.0 s on the ... than before"."""
+    """Words such as "The ... than in the other recordings" or "From 12.0 s on the ... than before"."""
     if not when:
         return f"The {what} than in the other recordings"
     return f"{when} the {what} than {'before' if when.startswith('From') else 'later'}"

@@ -8,6 +8,7 @@ from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.state import Cuts, State
 from exoid.ground.ties import index_of_least
 from exoid.optimisation.linear.loss import huber_terms
+from exoid.optimisation.preparation.clocks import squares_left
 from exoid.symbolic.motion import Float
 
 PACE = 0.5
@@ -43,8 +44,7 @@ def changes_of(fits: Fits, state: State) -> Cuts:
 
 def _left(gram: Float) -> float:
     """Squared error that the columns of a Gram matrix leave of its last one."""
-    own, product, square = gram[:-1, :-1], gram[:-1, -1], gram[-1, -1]
-    return max(float(square - product @ np.linalg.lstsq(own, product, rcond=1e-10)[0]), 0.0)
+    return squares_left(float(gram[-1, -1]), gram[:-1, :-1], gram[:-1, -1])
 
 
 def sharpened(fits: Fits, state: State) -> Cuts:

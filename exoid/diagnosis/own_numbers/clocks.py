@@ -41,7 +41,7 @@ def one_clock(base: FittedModel, recordings: Sequence[Recording], fitted: Fitted
     if late and (base.prepared.misread or len(recordings) < 2):
         return None
     names = [one.name for one in recordings]
-    clocks = late_clocks(base.model.base(), base.prepared.all) if late else base.prepared.clocks
+    clocks = late_clocks(base.prepared.clock_rates) if late else base.prepared.clocks
     known = {name: one for one in clocks for name in names if one.name in (name, EVERY)}
     if not known:
         return None
@@ -49,9 +49,8 @@ def one_clock(base: FittedModel, recordings: Sequence[Recording], fitted: Fitted
 
     def moved(factor: float) -> list[Recording]:
         """Recordings by clocks that are so many times as far apart as was found to first order."""
-        values = {name: factor * value for name, (value, _) in first.items()}
-        return [on_one_clock(r, *((0.0, values[r.name]) if late else (values[r.name],))) if r.name in values else r
-                for r in recordings]  # fmt: skip
+        apart = {name: {"late" if late else "rate": factor * value} for name, (value, _) in first.items()}
+        return [on_one_clock(one, **apart[one.name]) if one.name in apart else one for one in recordings]
 
     factor = 1.0
     for width in WIDTHS:

@@ -12,7 +12,7 @@ from exoid.symbolic.motion import Float
 
 
 def predicts_better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
-    """Whether a model beside what belongs to recordings predicts clearly better than the `last` one without."""
+    """True where a model beside what belongs to recordings predicts clearly better than the `last` one without."""
     once, then = (one.recording_losses(last.scale, rules) for one in (last, rival))
     return total(then) <= (1.0 - rules.worth_telling) * total(once) and clearer(once, then) >= rules.clear
 

@@ -65,7 +65,7 @@ class Fits:
         return tuple(tuple(j for j, part in enumerate(self.parts) if part.recording == k) for k in last)
 
     def moved(self, other: Fits, state: State) -> State:
-        """What is held of other fits to these recordings, where they are cut elsewhere or not at all."""
+        """Claims of other fits to these recordings, cut elsewhere or not at all, as claims of these fits."""
         out = []
         for held in state:
             claim = self.claims[other.claims.index(held.claim)]
@@ -74,7 +74,7 @@ class Fits:
         return tuple(out)
 
     def _is_in(self, j: int, other: Fits, group: tuple[int, ...]) -> bool:
-        """Whether a part of a recording, or one like it, is among a group of parts of other fits."""
+        """True where a part of a recording, or one like it, is among a group of parts of other fits."""
         own = self.parts[j]
         alike = [other.parts[i] for i in group if other.parts[i].recording == own.recording]
         return any(own.whole or one.whole or (own.start == 0) == (one.start == 0) for one in alike)
@@ -85,7 +85,7 @@ class Fits:
         return Seen(now.model, now.linear, block.columns[:, :, :own], now.torque(k), now.prepared.all[k].t)
 
     def chosen(self, state: State) -> Float:
-        """What makes the model's columns, those of `state` and the residual of all rows, (R, D, Q + 1)."""
+        """Matrices (R, D, Q + 1) from rows to the model's columns, those of `state`, and the residual."""
         width, groups = self.rows[0].shape[2], [(held, group) for held in state for group in held.groups]
         out = np.zeros((len(self.rows), width, self.count + len(groups) + 1))
         out[:, : self.count, : self.count] = np.eye(self.count)
@@ -145,7 +145,7 @@ class Fits:
         return all(low <= x <= high for x, (low, high) in zip(step[self.count :], bounds, strict=True))
 
     def left_by(self, state: State, steps: Sequence[Float]) -> list[Float]:
-        """What is left (J, K) of each part, its halves by the numbers `steps` (2, Q)."""
+        """Residuals (J, K) of each part, its halves by the numbers `steps` (2, Q)."""
         out = []
         for rows, chosen in zip(self.rows, self.chosen(state), strict=True):
             half = rows.shape[1] // 2

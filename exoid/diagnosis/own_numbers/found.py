@@ -92,7 +92,7 @@ class _Search:
         return not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
 
     def _promising(self, state: State) -> list[Claimed]:
-        """of every claim that is not held the recording and node that promise most, the best few."""
+        """The most promising recording and node of every claim that is not held, the best few."""
         taken = {held.claim for held in state}
         free = [one for one in self.fits.claims if not one.everyone and one not in taken]
         nodes = [(claim, node) for claim in free for node in claim.nodes]
@@ -138,7 +138,7 @@ class _Search:
         return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
-        """a claim with as many recordings as clearly have it."""
+        """A claim with as many recordings as clearly have it."""
         held = self._placed(state, held)
         while True:
             others = self._others(held)
@@ -152,7 +152,7 @@ class _Search:
             held = best
 
     def _others(self, held: Claimed) -> list[Claimed]:
-        """a claim with one recording more; of a number that is shared, also with one less. One recording at
+        """A claim with one recording more; of a number that is shared, also with one less. One recording at
         least says what is usual.
         """
         every = range(self.many)
@@ -164,7 +164,7 @@ class _Search:
         return [replace(held, groups=one) for one in longer if len(one) < len(every)]
 
     def _placed(self, state: State, held: Claimed) -> Claimed:
-        """a claim at the node that fits best."""
+        """A claim at the node that fits best."""
         nodes = np.array(held.claim.nodes)
         if len(nodes) < 2:
             return held
@@ -179,7 +179,7 @@ class _Search:
         return best
 
     def _pruned(self, state: State) -> State:
-        """the claims that are not needless beside the others."""
+        """The claims that are not needless beside the others."""
         while len(state) > 1:
             rivals = [self._needless(tuple(one for one in state if one is not out), out) for out in state]
             best = index_of_least([total(self.fits.losses(one)) for one in rivals])
@@ -189,7 +189,7 @@ class _Search:
         return state
 
     def _needless(self, rest: State, held: Claimed) -> State:
-        """what explains as much where a claim is needless: nothing, or of what everyone has, the same number in
+        """Claims that explain as much where a claim is needless: nothing, or of what everyone has, the same number in
         all recordings; that is the machine's, and has its place in the catalogue.
         """
         same = tuple(range(self.many))

@@ -90,23 +90,22 @@ class OwnNumbers:
             start, stop = part.span(self.now.prepared)
             inside = (t >= (-np.inf if start is None else start)) & (t < (np.inf if stop is None else stop))
             early = t < whole.t[(part.start + part.stop) // 2]
+            columns = self._columns(one, j)
             both = self.judged[j] if unseen else [self.numbers, self.numbers]
             for half, numbers in zip((inside & early, inside & ~early), both, strict=True):
-                known[half] = self._torque(one, j, numbers)[half]
+                known[half] = (columns @ numbers).T[half]
         return one.beside_own(known) if known.any() else one
 
-    def _torque(self, one: PreparedRecording, j: int, numbers: Float) -> Float:
-        """Torque (N, J) that belongs to a part of a recording, before the filter."""
+    def _columns(self, one: PreparedRecording, j: int) -> Float:
+        """Torque (J, N, C) that belongs to a part of a recording where each number is one, before the filter."""
         model, linear, shape = self.now.model, self.now.linear, self.now.shapes[self.parts[j].recording]
         columns = model.columns(one.motion, shape, linear if model.needs_reference else None)
         seen = Seen(model, linear, columns, model.torque(one.motion, linear, shape).T, one.motion.t)
-        out, at = np.zeros(seen.torque.shape), 0
+        out = []
         for held in self.held:
             column = held.claim.pieces(seen) @ held.claim.mix(held.node)
-            for group in held.groups:
-                out += numbers[at] * column * (j in group)
-                at += 1
-        return out.T
+            out += [column * (j in group) for group in held.groups]
+        return np.stack(out, axis=2)
 
     def agrees(self, other: OwnNumbers) -> bool:
         """Whether another look finds the same in the same recordings, within its intervals."""
@@ -224,17 +223,17 @@ def _told(fits: Fits, held: Claimed, numbers: Float, spread: _Spread, at: int) -
 
 
 def _when(spans: Mapping[str, Span]) -> str:
-    """ "From 12.0 s on", "Until 3.1 to 4.0 s"; "" for whole recordings."""
+    """Words such as "From 12.0 s on" or "Until 3.1 to 4.0 s"; "" for whole recordings."""
     if not spans:
         return ""
     late = all(start is not None for start, _ in spans.values())
-    times = sorted(start if late else stop for start, stop in spans.values())  # type: ignore[type-var]
+    times = sorted(time for span in spans.values() for time in span if time is not None)
     ends = list(dict.fromkeys(f"{time:.1f}" for time in (times[0], times[-1])))
     return f"From {' to '.join(ends)} s on" if late else f"Until {' to '.join(ends)} s"
 
 
 def _said(one: Estimate) -> str:
-    """ "0.91 ± 0.02 N·m"."""
+    """Words such as "0.91 ± 0.02 N·m"."""
     half = 0.5 * (one.high - one.low)
     digits = max(0, 1 - int(np.floor(np.log10(half)))) if half > 0.0 and np.isfinite(half) else 3
     unit = "" if one.unit == "1" else f" {one.unit}"

@@ -64,12 +64,19 @@ class ClockRate:
     late_share: float = 0.0
 
 
-def clocks_apart(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
+def clock_rates(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
+    """How the clock of the torques runs in every recording that tells it."""
+    return tuple(rate for one in prepared if (rate := clock_rate(base, one)) is not None)
+
+
+def clocks_apart(
+    base: Model, prepared: Sequence[PreparedRecording], rates: Sequence[ClockRate]
+) -> tuple[ClockRate, ...]:
     """Clocks of torques that run at another rate than the angles': one for all recordings (`EVERY`), or else those of
-    single ones.
+    single ones. `rates` are those of `prepared`.
     """
     # Friction that reverses late is a spike beside the model, and tells the clock; other spikes only add noise.
-    return _apart(base, prepared) or _apart(base, [_with_spikes(one) for one in prepared])
+    return _apart(rates) or _apart(clock_rates(base, [_with_spikes(one) for one in prepared]))
 
 
 def clock_findings(clocks: Sequence[ClockRate]) -> tuple[Finding, ...]:
@@ -77,17 +84,16 @@ def clock_findings(clocks: Sequence[ClockRate]) -> tuple[Finding, ...]:
     return tuple(_finding(one) for one in clocks)
 
 
-def late_clocks(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
-    """Recordings whose torques come later or earlier than those of the one that is least late; `late` is by how much.
+def late_clocks(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
+    """Clocks of recordings whose torques come later than those of the one that is least late, by `late`, or earlier.
 
     A delay that all have is the machine's, and an effect.
     """
-    found = [one for k in prepared if (one := clock_rate(base, k)) is not None]
-    if not found:
+    if not rates:
         return ()
-    usual = least_of(found, lambda one: abs(one.late), 1.0)
+    usual = least_of(rates, lambda one: abs(one.late), 1.0)
     out = []
-    for one in found:
+    for one in rates:
         late, error = one.late - usual.late, float(np.hypot(one.late_error, usual.late_error))
         told = replace(one, rate=0.0, late=late, late_error=error)
         if one is not usual and one.late_share >= SHARE and abs(late) >= APART and _no_chance(late, error, 1):
@@ -95,7 +101,7 @@ def late_clocks(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[Clo
     return tuple(out)
 
 
-def on_one_clock(one: Recording, rate: float, late: float = 0.0) -> Recording:
+def on_one_clock(one: Recording, *, rate: float = 0.0, late: float = 0.0) -> Recording:
     """The recording with its motion read when its torques were measured, whose clock runs faster by `rate`, and that
     come `late` by so many s. Where both clocks do not start together, a delay is left.
 
@@ -120,8 +126,7 @@ def _with_spikes(one: PreparedRecording) -> PreparedRecording:
     return one if one.read is None else one.without(np.zeros(one.hidden.shape, dtype=bool))
 
 
-def _apart(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
-    found = [rate for one in prepared if (rate := clock_rate(base, one)) is not None]
+def _apart(found: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
     if not found:
         return ()
     together = _together(found)
@@ -219,8 +224,9 @@ def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> Clock
     each = np.array([both(gram - a, product - b) for a, b in zip(grams, products, strict=True)])
     late_error, error = np.sqrt((GROUPS - 1) / GROUPS * np.sum((each - each.mean(axis=0)) ** 2, axis=0))
     many = len(product)
-    left = _left(square, gram, product)
-    of_late, of_rate = (_left(square, gram[np.ix_(k, k)], product[k]) for k in _but(many - 2, many - 1))
+    left = squares_left(square, gram, product)
+    others = (np.delete(np.arange(many), k) for k in (many - 2, many - 1))
+    of_late, of_rate = (squares_left(square, gram[np.ix_(rest, rest)], product[rest]) for rest in others)
     if not min(error, late_error) > 0.0 or not min(of_late, of_rate) > 0.0:
         return None
     early, rate = both(gram, product)
@@ -231,12 +237,8 @@ def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> Clock
     )  # fmt: skip
 
 
-def _but(*out: int) -> list[np.ndarray]:
-    """Indices up to the last of `out`, each time without one of these."""
-    return [np.delete(np.arange(max(out) + 1), k) for k in out]
-
-
-def _left(square: float, gram: Float, product: Float) -> float:
+def squares_left(square: float, gram: Float, product: Float) -> float:
+    """Squared error that columns with the normal equations `gram` (P, P) x = `product` (P,) leave of `square`."""
     return max(square - float(product @ np.linalg.lstsq(gram, product, rcond=1e-10)[0]), 0.0)
 
 

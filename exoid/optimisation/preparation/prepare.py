@@ -28,7 +28,7 @@ from exoid.measurement.recording import Recording, base_columns
 from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
 from exoid.measurement.signals.derivatives import check_method
 from exoid.measurement.signals.methods import BUTTERWORTH
-from exoid.optimisation.preparation.clocks import ClockRate, clock_findings, clocks_apart
+from exoid.optimisation.preparation.clocks import ClockRate, clock_findings, clock_rates, clocks_apart
 from exoid.optimisation.preparation.cutoff import (
     COMMON_BAND,
     CutoffChoice,
@@ -72,7 +72,7 @@ class Prepared:
     `misread` are those of the `findings` that say in which convention (`--convention`) or unit the recordings are.
     `noise_floor` (J,) N·m is what no model can get below: noise of the torque, of the angles, and `filter_error` (J,),
     what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations, `clocks` are
-    those of torques that run at another rate than the angles'.
+    those of torques that run at another rate than the angles', `clock_rates` what every recording tells of its own.
     """
 
     train: tuple[PreparedRecording, ...]
@@ -86,6 +86,7 @@ class Prepared:
     misread: tuple[Finding, ...] = ()
     joints: tuple[Joint, ...] = LEG
     clocks: tuple[ClockRate, ...] = ()
+    clock_rates: tuple[ClockRate, ...] = ()
 
     @property
     def all(self) -> tuple[PreparedRecording, ...]:
@@ -160,7 +161,8 @@ def prepare(
     misread = misread or check_scales(recordings)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
-    clocks = () if misread else clocks_apart(base, done)
+    rates = () if misread else clock_rates(base, done)
+    clocks = () if misread else clocks_apart(base, done, rates)
     wrong = np.sqrt(mean_square(torque_of_filter(base, beta, done), done))
     return Prepared(
         train=tuple(done[:count]),
@@ -180,6 +182,7 @@ def prepare(
         misread=misread,
         joints=model.joints,
         clocks=clocks,
+        clock_rates=rates,
     )
 
 

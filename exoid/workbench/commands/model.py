@@ -48,10 +48,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read the URDF, write the model file, and say what was found."""
     from exoid.symbolic.dh_table import dh_machine
-    from exoid.symbolic.model import RobotMachine, robot_machine
+    from exoid.symbolic.model import robot_machine
     from exoid.symbolic.model_file import model_content, write_model
     from exoid.symbolic.model_structure import STANDARD_GRAVITY
     from exoid.symbolic.robot_file import read_robot
+    from exoid.symbolic.spatial_machine import RobotMachine
     from exoid.workbench.command_line.inputs import check_new_model
     from exoid.workbench.command_line.parser import UsageError
 

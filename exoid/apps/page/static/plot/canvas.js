@@ -50,7 +50,7 @@ export class Surface {
 
 export function ticks(low, high, most) {
   const span = high - low;
-  if (!(span > 0)) return [low];
+  if (!(span > 0 && span < Infinity)) return [low];
   const rough = span / Math.max(1, most);
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough);
