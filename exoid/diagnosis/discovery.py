@@ -35,6 +35,7 @@ from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with
 from exoid.ground.progress import Progress, silent
 from exoid.ground.ties import ascending
 from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
@@ -223,7 +224,12 @@ def _answer(
     question, tick = asking.question, asking.tick
     rules, splits = question.rules, question.asked.splits
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
-    done = question.search(base, whole, asking.found)
+
+    def read(option: str) -> FittedModel:
+        fitted, held = ([read_as(one, option) for one in group] for group in (recordings, verify))
+        return question.fitted(fitted, held, whole)
+
+    done = question.search(base, whole, asking.found, read)
     prepared, state = done.prepared, done.found.state
 
     def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:

@@ -26,6 +26,7 @@ from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import DiscoverySettings
 from exoid.diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
 from exoid.ground.progress import Progress
+from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
@@ -79,9 +80,14 @@ class Question:
         return fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
 
     def search(
-        self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None
+        self,
+        base: FittedModel,
+        tick: Progress,
+        found: Callable[[Sequence[Step]], None] | None = None,
+        read: Callable[[str], FittedModel] | None = None,
     ) -> Searched:
-        """Search beside `base`, the model as it was `fitted`; `found` hears of every step.
+        """Search beside `base`, the model as it was `fitted`; `found` hears of every step, `read` fits it to the
+        recordings in another convention.
 
         That channels are misread, or that something outside pushes, has to beat the machine with its best effects.
         """
@@ -89,7 +95,9 @@ class Question:
         if prepared.misread:
             given = as_given(base)
             rival = self.search(given, tick) if may_leave_noise(given, self.rules) else None
-            return rival if self._is_explained(rival) else self._answered(base, check_channels(prepared.misread), tick)
+            if self._is_explained(rival) and not self._takes_fewer(rival, prepared.misread, read, tick):
+                return rival
+            return self._answered(base, check_channels(prepared.misread), tick)
         if (wrong := doubts_of_recordings(base, self.rules)) is not None:
             return self._answered(base, doubted(wrong), tick)
         if (outside := intermittent(base, self.rules)) is not None:
@@ -98,6 +106,21 @@ class Question:
                 return rival
             return self._answered(base, pushed(outside, base.model.joints), tick)
         return self._searched(base, tick, found)
+
+    def _takes_fewer(
+        self, rival: Searched, misread: Sequence[Finding], read: Callable[[str], FittedModel] | None, tick: Progress
+    ) -> bool:
+        """Whether recordings that are read otherwise are explained by fewer effects than a rival has, the other reading
+        counted as one: effects that make up for a wrong side are as many as it takes.
+        """
+        option = next((one.option for one in misread if one.option), "")
+        if read is None or not option:
+            return False
+        other = read(option)
+        if other.prepared.misread:
+            return False
+        found = self.search(other, tick)
+        return self._is_explained(found) and len(found.found.state.names) + 1 < len(rival.found.state.names)
 
     def _is_explained(self, rival: Searched | None) -> TypeGuard[Searched]:
         """Whether a model that can be was found, and leaves about the noise."""

@@ -23,7 +23,8 @@ class Finding(AsJson):
 
     `what` is a sentence, `where` names file, column and rows, `value` the number seen and `limit` the number
     it was compared with (None where there is none), `consequence` says what it would do to the result,
-    `confidence` is "certain", "likely" or "possible", `remedy` says what to do.
+    `confidence` is "certain", "likely" or "possible", `remedy` says what to do; `option` is the convention in which
+    all recordings may be, as `--convention` takes it.
     """
 
     check: str
@@ -35,6 +36,7 @@ class Finding(AsJson):
     remedy: str = ""
     consequence: str = ""
     confidence: str = "certain"
+    option: str = ""
 
     @property
     def repaired(self) -> bool:
@@ -51,7 +53,9 @@ class Finding(AsJson):
         return f"{self.severity}: {place}{self.what}{advice}"
 
     def _json(self) -> dict[str, Any]:
-        return {**super()._json(), "repaired": self.repaired}
+        told = super()._json()
+        del told["option"]  # the remedy says it
+        return {**told, "repaired": self.repaired}
 
 
 def row_ranges(rows: NDArray[np.integer[Any]], most: int = 4) -> str:

@@ -209,7 +209,10 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     check = SIGN if found.reading.sides and len(recordings) == 1 else CHECK
     where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
     sure = "possible" if found.rivals or found.then > GAIN else "likely"
-    return Finding(check, "warning", what, where, found.now, LEAST, remedy, "every parameter is wrong", sure)
+    consequence = "every parameter is wrong"
+    return Finding(
+        check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if file else option
+    )
 
 
 def better_reading(
