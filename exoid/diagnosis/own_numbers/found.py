@@ -89,7 +89,8 @@ class _Search:
         if not curve:
             return False
         self.fits.weigh((*rest, held))
-        return not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
+        explains = self.fits.pays(rest, (*rest, *curve), self.clear)
+        return explains and not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
 
     def _promising(self, state: State) -> list[Claimed]:
         """The most promising recording and node of every claim that is not held, the best few."""
