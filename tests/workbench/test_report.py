@@ -21,12 +21,13 @@ import pytest
 from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, FakeModel, figure, material, recording
 
 from exoid.diagnosis.extend import Waterfall
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.page import figure_file_name, find_sections, render_report, write_report
 from exoid.diagnosis.results import Step
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from exoid.measurement.finding import Finding
-from exoid.workbench.report.material import Material, command_of
-from exoid.workbench.report.page import figure_file_name, find_sections, render_report, write_report
+from exoid.workbench.command_line.deliver import command_of
 from tests.waiting import HUNG
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

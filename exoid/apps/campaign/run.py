@@ -107,7 +107,7 @@ def run_campaign(
     """
     from exoid.apps.campaign.page import write_page
     from exoid.apps.campaign.table import write_tables
-    from exoid.workbench.command import versions
+    from exoid.ground.version import versions
 
     began, report = time.perf_counter(), progress or silent
     folder, engine = Path(folder), engine_of(engine)

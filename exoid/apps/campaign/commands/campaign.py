@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from exoid.workbench.command_line.files import check_folder, write_json
+from exoid.ground.output import check_folder
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.options import whole_number
 from exoid.workbench.terminal.progress import progress
 from exoid.workbench.terminal.screen import Screen, warn

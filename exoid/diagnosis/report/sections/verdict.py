@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from exoid.diagnosis.report.effects import effect_of, said_of, torque
+from exoid.diagnosis.report.material import Material
 from exoid.diagnosis.sureness import meanings_of
-from exoid.workbench.report.effects import effect_of, said_of, torque
-from exoid.workbench.report.material import Material
+from exoid.symbolic.wording import number_said, title_of
 
 TITLE = "Answer"
 ORDER = 10
@@ -79,8 +80,6 @@ def accepted_entry(one: Mapping[str, Any], model: Any) -> Mapping[str, Any]:
 
 def numbers(parameters: Mapping[str, Mapping[str, Any]], effect: Any) -> list[Mapping[str, Any]]:
     """Return words, name, value, unit and interval of each parameter of an effect, the name without the effect's."""
-    from exoid.symbolic.wording import number_said
-
     out: list[Mapping[str, Any]] = []
     for full, p in parameters.items():
         name = full.rsplit(".", 1)[-1]
@@ -91,8 +90,6 @@ def numbers(parameters: Mapping[str, Mapping[str, Any]], effect: Any) -> list[Ma
 
 def title(name: str, model: Any) -> str:
     """Return what an effect such as "stribeck:knee" is called."""
-    from exoid.symbolic.wording import title_of
-
     effect = effect_of(name, model)
     return name if effect is None else title_of(effect, name.partition(":")[2] or None)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from exoid.diagnosis.report.material import Material
 from exoid.symbolic.wording import number_of
-from exoid.workbench.report.material import Material
 
 TITLE = "Parameters"
 ORDER = 60

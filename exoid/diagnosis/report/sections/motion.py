@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.workbench.report.cells import share
-from exoid.workbench.report.material import Material
+from exoid.diagnosis.report.cells import share
+from exoid.diagnosis.report.material import Material
 
 TITLE = "The motion to record"
 ORDER = 12

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.workbench.report.effects import said_of
-from exoid.workbench.report.material import Material
-from exoid.workbench.report.sections.verdict import term
+from exoid.diagnosis.report.effects import said_of
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.sections.verdict import term
 
 TITLE = "Look-alikes"
 ORDER = 45

@@ -6,8 +6,9 @@ import base64
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.workbench.command_line.files import json_text
-from exoid.workbench.report.material import Material, without_folders
+from exoid.diagnosis.report.material import Material, without_folders
+from exoid.ground.output import json_text
+from exoid.ground.version import versions
 
 TITLE = "To repeat this"
 ORDER = 90
@@ -16,8 +17,6 @@ ORDER = 90
 def context(material: Material) -> Mapping[str, Any] | None:
     """Return command, settings, model and versions."""
     from markupsafe import Markup
-
-    from exoid.workbench.command import versions
 
     model = material.model
     text = "" if material.payload is None else without_folders(json_text(material.payload))

@@ -9,10 +9,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from exoid.diagnosis.report import sections
+from exoid.diagnosis.report.material import Material, Picture, without_folders
+from exoid.ground.figures import png_of_uri, to_uris
 from exoid.ground.folder import modules_in
-from exoid.workbench.command_line.files import make_folder, write_bytes, write_text
-from exoid.workbench.report import sections
-from exoid.workbench.report.material import Material, Picture, without_folders
+from exoid.ground.output import make_folder, write_bytes, write_text
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -71,8 +72,6 @@ def write_report(material: Material, folder: str | Path) -> Path:
     drawn = _drawn(material.pictures)
     page = write_text(target / "report.html", _page(material, drawn))
     if drawn:
-        from exoid.ground.figures import png_of_uri
-
         figures = make_folder(target / "figures")
         for index, (picture, (_, png)) in enumerate(drawn.items(), start=1):
             write_bytes(figures / f"{index:02d}-{figure_file_name(picture.title)}.png", png_of_uri(png))
@@ -83,8 +82,6 @@ def _drawn(pictures: Sequence[Picture]) -> dict[Picture, tuple[str, str]]:
     """Every picture as two data URIs, as it stands in a page and as PNG."""
     if not pictures:
         return {}
-    from exoid.ground.figures import to_uris
-
     return {picture: to_uris(picture.figure) for picture in pictures}
 
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from exoid.diagnosis.evidence.power import Power
+from exoid.diagnosis.report.effects import effect_of
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.sections.verdict import title
 from exoid.symbolic.wording import number_called
-from exoid.workbench.report.effects import effect_of
-from exoid.workbench.report.material import Material
-from exoid.workbench.report.sections.verdict import title
 
 TITLE = "What would have shown"
 ORDER = 42

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from exoid.diagnosis.report.cells import share
+from exoid.diagnosis.report.effects import said_of
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.sections.verdict import term, title
 from exoid.diagnosis.sureness import meanings_of
-from exoid.workbench.report.cells import share
-from exoid.workbench.report.effects import said_of
-from exoid.workbench.report.material import Material
-from exoid.workbench.report.sections.verdict import term, title
-from exoid.workbench.terminal.screen import without_empty
+from exoid.ground.text import without_empty
 
 TITLE = "Suspects"
 ORDER = 40

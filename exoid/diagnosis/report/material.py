@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
 import re
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
@@ -23,6 +21,13 @@ MOST_NAMED = 4
 """Recordings whose names stand below the title; of more their number is told."""
 WIDE = 6.5
 """Inches from which on a figure does not share its row with another."""
+
+
+NOTHING_HELD_OUT = (
+    "Nothing is held out: these errors are on the motion that was fitted, and say little about any other. "
+    "Name a recording that is not fitted with --verify."
+)
+"""What is said where no recording is verified."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,21 +115,6 @@ def picture_of_fit(fit: Any) -> Picture:
     return Picture("The fit: residuals, intervals, convergence", alt, fit.plot())
 
 
-def settings_of(args: argparse.Namespace) -> dict[str, str]:
-    """Return the settings of a command line as text, for the section that says how to repeat it."""
-    hidden = ("command_line", "quiet", "json", "out", "inputs", "recordings", "verify")
-    return {
-        name.replace("_", " "): str(value)
-        for name, value in sorted(vars(args).items())
-        if name not in hidden and value not in (None, [], "")
-    }
-
-
 def without_folders(text: str) -> str:
     """Return `text` with the names of files in place of their whole paths: a page is made to be handed on."""
     return FOLDERS.sub("", text)
-
-
-def command_of(args: argparse.Namespace) -> str:
-    """Return the command line as it can be pasted into a shell, in the folder of the files."""
-    return shlex.join(without_folders(word) for word in getattr(args, "command_line", ["exoid"]))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from exoid.symbolic.effect import Effect
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.effect_catalogue import every_effect
+from exoid.symbolic.formula import formula
 
 
 def effect_of(name: str, model: Any = None) -> Effect | None:
     """Return the effect of "stribeck:knee", one of the user's own in `model` first; None for an unknown name."""
-    from exoid.symbolic.effect import Effect
-    from exoid.symbolic.effect_catalogue import every_effect
-
     id = name.partition(":")[0]
     own = [*getattr(model, "custom", ()), *(getattr(t, "effect", None) for t in getattr(model, "terms", ()))]
     found = next((one for one in own if isinstance(one, Effect) and one.id == id), None)
@@ -28,8 +26,6 @@ def said_of(name: str, model: Any = None, what: str = "explains") -> str:
 
 def torque(name: str, model: Any = None) -> str:
     """Return the torque the effect adds, as a person would write it, or ""."""
-    from exoid.workbench.formula import formula
-
     effect = effect_of(name, model)
     if effect is None:
         return ""

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.sections.verdict import title
 from exoid.symbolic.wording import added_said
-from exoid.workbench.report.material import Material
-from exoid.workbench.report.sections.verdict import title
 
 TITLE = "The falling error"
 ORDER = 20

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.workbench.report.material import Material
+from exoid.diagnosis.report.material import Material
 
 TITLE = "Optimisers compared"
 ORDER = 15

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.workbench.report.material import Material
+from exoid.diagnosis.report.material import Material
 
 TITLE = "Recordings and their audit"
 ORDER = 80

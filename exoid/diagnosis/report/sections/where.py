@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from exoid.workbench.report.cells import share
-from exoid.workbench.report.material import Material
-from exoid.workbench.terminal.screen import without_empty
+from exoid.diagnosis.evidence.curves import variables
+from exoid.diagnosis.report.cells import error_sizes, share
+from exoid.diagnosis.report.material import Material
+from exoid.ground.text import without_empty
+from exoid.symbolic.joints import Joint
 
 TITLE = "Where the model fails"
 ORDER = 30
@@ -39,23 +41,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     }
 
 
-def error_sizes(found: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
-    """Return the head and the rows of a table with the size of the error of each joint beside that of its torque."""
-    columns = {
-        "torque": found.signal_rms,
-        "error, fitted": found.rms,
-        "error, unseen": (None,) * len(found.joints) if found.verify_rms is None else found.verify_rms,
-        "noise floor": found.noise_floor,
-    }
-    rows = zip(found.joints, *columns.values(), strict=True)
-    head = ["joint", *(f"{word} [{found.unit}]" for word in columns)]
-    return head, [(joint, *(None if x is None else float(x) for x in values)) for joint, *values in rows]
-
-
 def words(variable: str, joints: Sequence[str]) -> str:
     """Return "knee velocity" for "dq2"; a name that is not a variable of the diagnosis stays what it is."""
-    from exoid.diagnosis.evidence.curves import variables
-    from exoid.symbolic.joints import Joint
-
     known = variables(tuple(Joint(name) for name in joints))
     return known[variable][0] if variable in known else variable
