@@ -1,10 +1,17 @@
-"""What a watch reported of one recording, as the one answer that a campaign keeps."""
+"""`exoid watch` in a campaign: what it reported of one recording, as the one answer that is kept."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
 from typing import Any
+
+from exoid.apps.campaign.verb import CampaignVerb
+
+
+def model_first(model: str | None, recordings: Sequence[str]) -> list[str]:
+    """The model, then the recordings, as `exoid watch` takes them."""
+    return ["standard" if model is None else model, *recordings]
 
 
 def row_of_lines(text: str) -> dict[str, Any]:
@@ -42,3 +49,6 @@ def row_of_events(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "accepted": accepted, "parameters": last.get("parameters", {}), "events": list(events),
         **({"rms_before": changes[0]["rms_before"], "rms_after": changes[-1]["rms_after"]} if changes else {}),
     }  # fmt: skip
+
+
+VERB = CampaignVerb(model_first, row_of_lines, alone=True)
