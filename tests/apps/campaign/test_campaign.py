@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from joblib.externals.loky import ProcessPoolExecutor
 
+from exoid.apps.campaign.engines.local import local
 from exoid.apps.campaign.page import render_campaign
 from exoid.apps.campaign.plan import Job, Plan, read_plan
 from exoid.apps.campaign.run import run_campaign
@@ -23,7 +24,6 @@ from exoid.apps.campaign.store import CampaignError, JobStore
 from exoid.apps.campaign.table import flat, write_tables
 from exoid.apps.campaign.verbs.watch import row_of_events
 from exoid.ground.engines.engine import EngineError
-from exoid.ground.engines.local import local
 from exoid.workbench.command import main
 
 ROOT = Path(__file__).parents[3]

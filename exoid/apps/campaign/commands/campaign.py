@@ -74,14 +74,14 @@ def run(args: argparse.Namespace) -> int:
 
 def _engine(args: argparse.Namespace, plan: Plan) -> Engine:
     if args.dask:
-        from exoid.ground.engines.dask import dask
+        from exoid.apps.campaign.engines.dask import dask
 
         return dask(args.dask, args.jobs)
     if args.slurm:
-        from exoid.ground.engines.slurm import slurm
+        from exoid.apps.campaign.engines.slurm import slurm
 
         return slurm(args.slurm, Path(os.path.realpath(args.out)) / "slurm", args.jobs, plan.timeout)
-    from exoid.ground.engines.local import local
+    from exoid.apps.campaign.engines.local import local
 
     return local(args.jobs)
 

@@ -14,20 +14,18 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 import traceback
 from collections.abc import Mapping
 from typing import Any
 
+from exoid.ground.engines.processes import BESIDE_OTHERS, end_with
 from exoid.ground.import_path import environment_of_workers
 
 MAX_JOBS = 500
 """Jobs after which a process is replaced, so that whatever leaks stays small."""
 ATTEMPTS = 2
 """Times a job is tried whose process ended in the middle of it."""
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-BESIDE_OTHERS = dict.fromkeys(ONE_THREAD, "1")
-"""The environment of a worker that shares its machine with others."""
+
 
 
 class Cell:
@@ -127,19 +125,6 @@ def cell_of_thread() -> Cell:
 def in_cell(function: str, argument: Mapping[str, Any], seconds: float | None = None) -> dict[str, Any]:
     """Run a job in the cell of this thread, as `Cell.run` does."""
     return cell_of_thread().run(function, argument, seconds)
-
-
-def end_with(master: int) -> None:
-    """End this process as soon as `master`, which started it, is gone: killed, it cannot say so."""
-    if os.getppid() != master:
-        return  # started by a helper of joblib: it ends when it has been idle
-
-    def look() -> None:
-        while os.getppid() == master:
-            time.sleep(1.0)
-        os._exit(1)
-
-    threading.Thread(target=look, daemon=True).start()
 
 
 def main() -> None:

@@ -1,11 +1,11 @@
-"""This machine: as many workers as it has cores, each with a process of its own (`exoid.ground.engines.cell`)."""
+"""This machine: as many workers as it has cores, each with a process of its own (`cell.py`)."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
+from exoid.apps.campaign.engines.cell import Cell, cell_of_thread
 from exoid.ground.cores import cores
-from exoid.ground.engines.cell import Cell, cell_of_thread
 from exoid.ground.engines.engine import Engine
 
 

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from exoid.ground.engines.cell import Cell, in_cell
+from exoid.apps.campaign.engines.cell import Cell, in_cell
+from exoid.apps.campaign.engines.local import local
 from exoid.ground.engines.engine import EngineError, completed
-from exoid.ground.engines.local import local
 from tests.waiting import HUNG, until
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def test_what_a_job_prints_is_not_taken_for_its_answer(cell, capfd):
 
 def test_the_process_ends_with_its_worker(tmp_path):
     script = (
-        "from exoid.ground.engines.cell import Cell; import os, sys\n"
+        "from exoid.apps.campaign.engines.cell import Cell; import os, sys\n"
         "c = Cell(); c.run('math:sqrt', 4); print(c._started().pid, flush=True); os.kill(os.getpid(), 9)"
     )
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=HUNG)
@@ -98,7 +98,7 @@ def test_jobs_come_back_as_they_end_and_few_are_handed_over_at_a_time():
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_a_dask_worker_that_is_killed_while_it_works_is_retried_and_said():
     pytest.importorskip("distributed")
-    from exoid.ground.engines.dask import dask
+    from exoid.apps.campaign.engines.dask import dask
 
     engine = dask("local", 2)
     try:
@@ -118,7 +118,7 @@ def test_a_dask_worker_that_is_killed_while_it_works_is_retried_and_said():
 @pytest.mark.slow
 def test_a_dask_scheduler_that_does_not_answer_is_refused_in_words(monkeypatch):
     pytest.importorskip("distributed")
-    from exoid.ground.engines import dask as module
+    from exoid.apps.campaign.engines import dask as module
 
     monkeypatch.setattr(module, "PATIENCE", 1.0)
     with pytest.raises(EngineError, match="no Dask cluster"):
@@ -128,7 +128,7 @@ def test_a_dask_scheduler_that_does_not_answer_is_refused_in_words(monkeypatch):
 @pytest.mark.slow
 def test_submitit_runs_jobs_on_this_machine(tmp_path):
     pytest.importorskip("submitit")
-    from exoid.ground.engines.slurm import slurm
+    from exoid.apps.campaign.engines.slurm import slurm
 
     engine = slurm("local", tmp_path, 2)
     try:
@@ -143,7 +143,7 @@ def test_slurm_that_is_not_there_is_refused_in_words(tmp_path):
     submitit = pytest.importorskip("submitit")
     if submitit.AutoExecutor.which() == "slurm":
         pytest.skip("this machine has Slurm")
-    from exoid.ground.engines.slurm import slurm
+    from exoid.apps.campaign.engines.slurm import slurm
 
     with pytest.raises(EngineError, match="no Slurm"):
         slurm("short", tmp_path)
