@@ -11,6 +11,7 @@ PLUG_INS = {
     "apps/*/commands": {"add_arguments", "run"},
     "workbench/commands": {"add_arguments", "run"},
     "diagnosis/report/sections": {"context"},
+    "apps/*/sections": {"context"},
     "workbench/export": {"write"},
     "measurement/auditing/checks": {"check"},
     "measurement/reading/formats": {"read", "is_large", "pieces"},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from exoid.diagnosis.report import sections
 from exoid.diagnosis.report.material import Material, Picture, without_folders
 from exoid.ground.figures import png_of_uri, to_uris
-from exoid.ground.folder import modules_in
+from exoid.ground.folder import with_apps
 from exoid.ground.output import make_folder, write_bytes, write_text
 
 if TYPE_CHECKING:
@@ -33,8 +34,9 @@ class PageSection:
 
 
 def find_sections() -> tuple[ModuleType, ...]:
-    """Return every module of `sections/`, in the order in which they stand in the page."""
-    return tuple(sorted(modules_in(sections).values(), key=lambda section: (section.ORDER, section.__name__)))
+    """Return every module of `sections/`, and of those of apps, in the order in which they stand in the page."""
+    found = (import_module(name) for name in with_apps(sections).values())
+    return tuple(sorted(found, key=lambda section: (section.ORDER, section.__name__)))
 
 
 def render_report(material: Material) -> str:
@@ -91,8 +93,9 @@ def environment() -> Environment:
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+    beside = {Path(str(section.__file__)).parents[1]: None for section in find_sections()}  # a section's own template
     templates = Environment(
-        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        loader=FileSystemLoader([FOLDER, *beside]), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True, finalize=_for_others,
     )  # fmt: skip
     templates.filters["number"] = number_in_page
