@@ -98,3 +98,23 @@ def test_a_spare_column_in_a_unit_that_is_none_of_it_is_left_out_and_told_once(t
     (tmp_path / "plate.csv").write_text("\n".join(f"{row[0]},{row[5]}" for row in whole) + "\n", encoding="utf-8")
     with pytest.raises(RecordingError, match="is in kg"):  # what is joined was meant
         read_recording(tmp_path / "run.csv", join=tmp_path / "plate.csv")
+
+
+@pytest.mark.parametrize("unit", ["Grad", "grados", "degrés", "gradi", "graden", "graus", "Degrees"])
+def test_units_are_known_written_out_in_several_languages(unit, tmp_path):
+    header = f"t,q1 [{unit}],q2 [{unit}],tau1 [Newtonmeter],tau2 [newton-metre],dq1 [{unit}/s],dq2 [{unit}/s]"
+    q, tau = written(tmp_path / "run.csv", header, 2, more=[np.cos(T), np.cos(T)])
+    found = read_recording(tmp_path / "run.csv")
+    assert np.allclose(found.q, np.radians(q), atol=1e-4) and np.allclose(found.tau, tau, atol=1e-4)
+    assert np.allclose(found.dq, np.radians(np.cos(T))[:, None], atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "proposed"),
+    [("stopnie", 50.0, "deg"), ("radz", 50.0, "deg"), ("radz", 1.0, "rad"), ("dge", 50.0, "deg"), ("lanes", 1.0, "rad")],
+)
+def test_no_unit_is_proposed_in_which_the_numbers_go_too_far(unit, size, proposed):
+    table = {"t": T, "q1": np.sin(T), f"q2 [{unit}]": size * np.sin(T), "tau1": np.cos(T), "tau2": np.cos(T)}
+    with pytest.raises(RecordingError) as refusal:
+        read_recording(table)
+    assert refusal.value.remedy.startswith(f"--units q2={proposed} if it is so")

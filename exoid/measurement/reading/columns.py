@@ -22,7 +22,7 @@ from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.units import SLIDING, factor, is_product, is_scaled
 from exoid.measurement.recording import base_columns
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
-from exoid.symbolic.units import QUANTITIES, SI_UNIT
+from exoid.symbolic.units import QUANTITIES, SI_UNIT, plain_unit
 
 NO_CLOCK = "say how often it was sampled, in Hz: --rate 100 (design: --recorded-rate 100; watch, campaign: a column t)"
 TIMELESS = "give every sample its time, in a column t"
@@ -399,14 +399,34 @@ def _with_unit(
         raise RecordingError(what, where=where, remedy=f"write the factor for one {written}")
     if scale is None:
         what = f"unit {unit!r} of column {column.name!r} ({name}) is not known"
-        close = nearest(unit, QUANTITIES[quantity], 1, cutoff=0.6)
-        remedy = f"--units {name}={close[0] if close else plain} if it is so; known: {', '.join(QUANTITIES[quantity])}"
+        remedy = f"--units {name}={_proposed(quantity, unit, column)} if it is so; "
+        remedy += f"known: {', '.join(QUANTITIES[quantity])}"
         raise RecordingError(what, where=where, remedy=remedy)
     if quantity == "t" and scale < 0.0:
         what = f"time counts backwards in {unit!r}: every velocity would change its sign"
         remedy = "give a unit without a minus; where the clock counts down, write a column that counts up"
         raise RecordingError(what, where=where, remedy=remedy)
     return Assigned(name, column, unit, scale, True)
+
+
+LIKELY: Mapping[str, tuple[float, str, str]] = {
+    "t": (0.5, "s", "ms"), "q": (4 * np.pi, "rad", "deg"), "dq": (50.0, "rad/s", "deg/s"), "tau": (1000.0, "Nm", "mNm"),
+    "x": (20.0, "m", "mm"), "dx": (20.0, "m/s", "mm/s"),
+}  # fmt: skip
+"""How far numbers go in SI, of a clock by how much in a step, and the unit that they are likely in beyond."""
+
+
+def _proposed(quantity: str, unit: str, column: RawColumn) -> str:
+    """Return the unit that one nobody knows may be: one misspelt by a letter, if the numbers do not go too far."""
+    most, plain, large = LIKELY.get(quantity, (np.inf, SI_UNIT[quantity].replace("·", ""), ""))
+    good = column.values[np.isfinite(column.values)]
+    size = np.abs(np.diff(good) if quantity == "t" else good)
+    far = bool(size.size and np.percentile(size, 50 if quantity == "t" else 98) > most)
+    alike = nearest(plain_unit(unit), QUANTITIES[quantity], 1, cutoff=0.8)
+    close = alike[0] if alike and alike[0][0] == plain_unit(unit)[:1] else ""
+    if close and not (far and QUANTITIES[quantity][close] >= 1.0):
+        return close
+    return large if far else plain
 
 
 def _hidden(text: str, name: str, joints: tuple[Joint, ...]) -> str:
