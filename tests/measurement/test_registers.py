@@ -137,3 +137,18 @@ def test_the_zeros_of_encoders_are_found_and_named_where_a_scale_was_given(tmp_p
     again = compare(Model.standard(), [read_recording(one, units=units, convention=option) for one in counts])
     assert not again.misread and again.where
     assert not compare(Model.standard(), [read_recording(one) for one in made]).misread
+
+
+def test_encoders_are_offered_one_resolution_and_a_wrong_one_is_named_as_steps_a_turn():
+    """2000 counts a radian, of which 4096 a turn are said."""
+    made = [
+        {"t": one["t"], **{f"q{k}": np.round(2000 * one[f"q{k}"]) % 65536 for k in (1, 2)}, "tau1": one["tau1"],
+         "tau2": one["tau2"]}
+        for one in DEMO[:2]
+    ]  # fmt: skip
+    with pytest.raises(RecordingError, match=r"'q2', -\d+ to -\d+") as error:
+        read_recording(made[0])
+    assert error.value.remedy.startswith("--units q1=deg/11.3778,q2=deg/11.3778 with")
+    units = {"q1": "deg/11.3778", "q2": "deg/11.3778"}
+    (doubt,) = compare(Model.standard(), [read_recording(one, units=units) for one in made]).misread
+    assert "motor-angle" in doubt.remedy and "q1 about 12288 instead of 4096" in doubt.remedy

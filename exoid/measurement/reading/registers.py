@@ -63,7 +63,7 @@ def in_si(
                 if quantity == "q" and item.told and is_product(item.unit) and kind_of(name, joints) == "q":
                     counted.add(name)
                     what = f"{name} counts the steps of an encoder, whose zero may lie anywhere"
-                    findings.append(Finding(COUNTED.format(name), "info", what, where))
+                    findings.append(Finding(COUNTED.format(name), "info", what, where, item.factor))
         columns[name] = values * item.factor
     asked = {name: values for name, values in counts.items() if quantity_of(name) in ("q", "tau")}
     if asked:
@@ -92,7 +92,10 @@ def _signed(name: str, item: Assigned, where: str, joints: Sequence[Joint]) -> S
     found = signed(values)
     if turning and not found.how and is_whole(values):
         continues, how = continued(values)
-        return Signed(continues, how) if how else found
+        if how:
+            return Signed(continues, how)
+        if span := below_zero(values):  # where the zero lies is free, and the numbers say how fine the steps are
+            return Signed(values - span, f"stays close under {span:.0f}")
     if quantity_of(name) in ("q", "tau") and found.doubt and not found.register:
         doubt = _doubt(name, item, found.doubt, where)
         raise RecordingError(doubt.what, where=where, remedy=doubt.remedy)
@@ -138,6 +141,9 @@ def _question(
 ) -> tuple[str, str]:
     """Return what is asked of counts without a unit, and what to do."""
     shown, options, notes = [], [], []
+    reach = {name: float(np.abs(values[np.isfinite(values)]).max()) for name, values in counts.items()}
+    most = max((size for name, size in reach.items() if quantity_of(name) == "q"), default=0.0)
+    circle = next((one for one in CIRCLES if one > most), CIRCLES[-1])  # encoders of one machine are mostly alike
     for name, values in counts.items():
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         unit = SI_UNIT[kind_of(name, joints)]
@@ -145,16 +151,15 @@ def _question(
         if quantity_of(name) == "tau":
             options.append(f"{name}=Nm*0.001")
             notes.append(f"{name}: {unit} of one count")
-        elif max(high, -low) < TURN:
+        elif most < TURN:
             options.append(f"{name}=deg")
-            notes.append(f"{name}: degrees, or deg/NUMBER with the counts of a degree")
+            notes.append("degrees, or deg/NUMBER with the counts of a degree")
         else:
-            circle = next((one for one in CIRCLES if one > max(high, -low)), CIRCLES[-1])
             options.append(f"{name}=deg/{circle / TURN:.6g}")
-            notes.append(f"{name}: here {circle} counts a turn")
+            notes.append(f"angles: here {circle} counts a turn; rad/NUMBER where you know the counts of a radian")
         if negative := _negative(name, assigned[name], joints):
             notes.append(f"it {negative[0].partition(' ')[2].partition(') ')[2]}, {negative[1]}")
     what = f"{' and '.join(shown)} are whole numbers without a unit: counts, and not yet rad or N·m"
     if len(shown) == 1:
         what = what.replace(" are whole", " holds whole")
-    return what, f"--units {','.join(options)} with your numbers ({'; '.join(notes)})"
+    return what, f"--units {','.join(options)} with your numbers ({'; '.join(dict.fromkeys(notes))})"
