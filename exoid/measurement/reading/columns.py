@@ -16,7 +16,7 @@ from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
 from exoid.measurement.reading.likely import likely_option
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
-from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
+from exoid.measurement.reading.names import BASE, ColumnMeaning, is_set_point, kind_of, quantity_of, recognise, weak_time
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
 from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.units import SLIDING, factor, is_product, is_scaled
@@ -339,6 +339,11 @@ def _check_missing(
     if missing == ["t"]:
         what = f"no time column was found ({seen_there})"
         raise RecordingError(what, where=where, remedy=f"{no_clock}; or --map t=COLUMN")
+    asked_for = [name for name in table.names if is_set_point(name, tuple(joints))]
+    if asked_for and not all_found and "=" not in option.replace("=COLUMN", ""):
+        what = f"no column for {', '.join(missing)} was found, only set-points: {listed(asked_for, 8)} ({seen_there})"
+        remedy = "log what was measured: a set-point is what the machine was asked for, and not what it did"
+        raise error(what, where=where, remedy=remedy)
     remedy = (f"did you mean {option}?" if all_found else f"say which column it is: {option}") + drive
     raise error(what, where=where, remedy=remedy)
 
