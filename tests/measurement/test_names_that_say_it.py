@@ -111,7 +111,7 @@ def test_units_are_known_written_out_in_several_languages(unit, tmp_path):
 
 @pytest.mark.parametrize(
     ("unit", "size", "proposed"),
-    [("stopnie", 50.0, "deg"), ("radz", 50.0, "deg"), ("radz", 1.0, "rad"), ("dge", 50.0, "deg"), ("lanes", 1.0, "rad")],
+    [("stopnie", 50.0, "deg"), ("radz", 50.0, "deg"), ("radz", 1.0, "rad"), ("dge", 50.0, "deg"), ("foo", 1.0, "rad")],
 )
 def test_no_unit_is_proposed_in_which_the_numbers_go_too_far(unit, size, proposed):
     table = {"t": T, "q1": np.sin(T), f"q2 [{unit}]": size * np.sin(T), "tau1": np.cos(T), "tau2": np.cos(T)}

@@ -112,7 +112,7 @@ def test_the_state_of_a_machine_is_no_key(tmp_path):
     assert open_table(tmp_path / "run.csv").names == ["t", "mode", "knob"]
 
 
-@pytest.mark.parametrize("header", ["t,q1_desired,q2_desired,tau1_cmd,tau2_cmd", "t,Soll_q1,Soll_q2,Soll_tau1,Soll_tau2"])
+@pytest.mark.parametrize("header", ["t,q1_desired,q2_desired,tau1_cmd,tau2_cmd", "t,Soll_q1,Soll_q2,tau1_ref,tau2_ref"])
 def test_files_of_set_points_alone_are_named_as_that(header, tmp_path):
     np.savetxt(tmp_path / "run.csv", np.column_stack([T, Q, TAU]), delimiter=",", header=header, comments="")
     with pytest.raises(RecordingError, match="only set-points: ") as error:

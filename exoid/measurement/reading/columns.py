@@ -16,7 +16,15 @@ from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
 from exoid.measurement.reading.likely import likely_option
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
-from exoid.measurement.reading.names import BASE, ColumnMeaning, is_set_point, kind_of, quantity_of, recognise, weak_time
+from exoid.measurement.reading.names import (
+    BASE,
+    ColumnMeaning,
+    is_set_point,
+    kind_of,
+    quantity_of,
+    recognise,
+    weak_time,
+)
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
 from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.units import SLIDING, factor, is_product, is_scaled
