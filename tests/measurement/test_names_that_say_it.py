@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from exoid.diagnosis.comparison import compare
 from exoid.ground.errors import RecordingError
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 T = np.arange(800) * 0.01
 
@@ -118,3 +120,27 @@ def test_no_unit_is_proposed_in_which_the_numbers_go_too_far(unit, size, propose
     with pytest.raises(RecordingError) as refusal:
         read_recording(table)
     assert refusal.value.remedy.startswith(f"--units q2={proposed} if it is so")
+
+
+@pytest.mark.parametrize("name", ["q_{} tau_{}", "panda_joint{}_pos panda_joint{}_effort", "pos_{} current_{}"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_seven_joints_without_a_model_are_no_leg(name, first, tmp_path):
+    parts = enumerate(name.split())
+    columns = {part.format(k + first): np.sin(T * (1 + 0.1 * k) + j) for j, part in parts for k in range(7)}
+    with pytest.raises(RecordingError) as refusal:
+        compare(Model.standard(), read_recording({"t": T, **columns}))
+    assert "7 joints" in refusal.value.what and "--model FILE" in refusal.value.remedy
+    assert "--map" not in refusal.value.remedy
+
+
+def test_numbers_beside_named_joints_count_other_things(tmp_path):
+    columns = {"t": T, "hip_angle": T, "knee_angle": T, "hip_torque": T, "knee_torque": T}
+    columns |= {f"pos_{k}": T for k in range(4)} | {f"load_{k}": T for k in range(4)}
+    table = {name: np.sin(values) for name, values in columns.items()} | {"t": T}
+    assert read_recording(table).joint_names == ("hip", "knee")
+
+
+def test_currents_are_called_as_the_file_calls_them():
+    table = {"t": T} | {f"actual_{what}_{k}": np.sin(T + k) for what in ("q", "current") for k in (0, 1)}
+    with pytest.raises(RecordingError, match="'actual_current_0', 'actual_current_1'"):
+        read_recording(table)

@@ -14,7 +14,7 @@ import numpy as np
 
 from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
-from exoid.measurement.reading.likely import likely_option
+from exoid.measurement.reading.likely import counted_joints, likely_option
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import (
     BASE,
@@ -94,13 +94,15 @@ def assign_usable(
     joints: Sequence[Joint] = LEG,
     partial: bool = False,
     no_clock: str = NO_CLOCK,
+    modelled: bool = True,
 ) -> tuple[dict[str, Assigned], dict[str, RecordingError]]:
     """Return {canonical name: column} of what can be used, and {canonical name: error} of spare columns that cannot;
     raises RecordingError for any other that is missing, doubtful or used twice.
 
     What is `told` is {canonical: column in the file}, {quantity, canonical name or column: unit} and the leg ("left",
     "right", "ipsi" or "contra") where the file has several; a joint that is told to be passive needs no torque, which
-    is zero. With `partial`, columns may be missing: the rest stands in another file.
+    is zero. With `partial`, columns may be missing: the rest stands in another file. Unless `modelled`, nobody said
+    what the `joints` are, and they were counted.
     """
     mapping, units, leg = _by_number(told.columns, joints), _by_number(told.units, joints), told.leg
     _check_keys(mapping, canonical_columns(joints), "--map", where)
@@ -129,7 +131,7 @@ def assign_usable(
     for name in idle:
         chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
-        _check_missing(chosen, table, where, joints, no_clock)
+        _check_missing(chosen, table, where, joints, no_clock, modelled)
     out: dict[str, Assigned] = {}
     faults: dict[str, RecordingError] = {}
     asked: list[RecordingError] = []
@@ -160,17 +162,27 @@ def _together(errors: Sequence[RecordingError]) -> RecordingError:
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
-    """Return the joints of a file that nobody named: as many as it has q1, q2, ... and tau1, tau2, ...; else the leg's.
+    """Return the joints of a file that nobody named: as many as it has q1, q2, ... and tau1, tau2, ..., or three and
+    more in any other words; else the leg's.
 
     One joint only where nothing else in the file can be the second's.
     """
     there = {column.name.strip() for column in table.columns}
     count = next(k for k in range(len(there) + 1) if not {f"q{k + 1}", f"tau{k + 1}"} <= there)
     count = count or int({"q", "tau"} <= there)
-    second = {found.name for column in table.columns if (found := recognise(column.name))} & {"q2", "tau2"}
-    if count in (0, 2) or count > MOST or (count == 1 and second) or {"q0", "tau0"} & there:
+    meant = {column.name: found.name for column in table.columns if (found := recognise(column.name))}
+    if count == 1 and {"q2", "tau2"} & set(meant.values()):
+        return LEG
+    named = any(quantity_of(meaning) in ("q", "tau") and not re.search(r"\d", name) for name, meaning in meant.items())
+    many = 0 if named else counted_joints(table.names)  # of a leg whose joints are named, numbers count other things
+    count = many if many > MANY else count
+    if count in (0, 2) or count > MOST:
         return LEG
     return tuple(Joint(f"{UNNAMED}{k + 1}", length=1.0) for k in range(count))
+
+
+MANY = 2
+"""Joints of a leg: more are another machine's."""
 
 
 def _by_number(given: Mapping[str, str], joints: Sequence[Joint]) -> dict[str, str]:
@@ -313,14 +325,22 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
 
 
 def _check_missing(
-    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], no_clock: str
+    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], no_clock: str,
+    modelled: bool,
 ) -> None:
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return
     nothing = len(missing) >= 2 * len(joints) and not any(quantity_of(name) in ("q", "tau") for name in chosen)
     error = NoChannelsError if nothing else RecordingError
-    seen = ((recognise(column.name, tuple(joints)), column.name) for column in table.columns)
+    seen_there = f"columns found: {listed(table.names)}"
+    seen_there += f"; no columns of numbers: {listed(table.others, 8)}" if table.others else ""
+    if len(joints) > MANY and not modelled:
+        what = f"the file has {len(joints)} joints ({seen_there}), and no model says what machine that is"
+        remedy = "give its model first: --model FILE, a URDF or what exoid model writes; in Python joints=model.joints"
+        raise error(what, where=where, remedy=remedy)
+    aliases, _ = _counted_from_one(table.names, len(joints))
+    seen = ((recognise(aliases.get(name, name), tuple(joints)), name) for name in table.names)
     currents = {found: name for found, name in seen if found and quantity_of(found.name) == "i"}
     torques = [name for name in missing if quantity_of(name) == "tau"]
     if torques and torques == missing and currents:
@@ -341,8 +361,6 @@ def _check_missing(
     absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
-    seen_there = f"columns found: {listed(table.names)}"
-    seen_there += f"; no columns of numbers: {listed(table.others, 8)}" if table.others else ""
     what = f"no column for {', '.join(missing)} was found ({seen_there})"
     if missing == ["t"]:
         what = f"no time column was found ({seen_there})"
