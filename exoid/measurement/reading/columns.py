@@ -171,7 +171,7 @@ def inferred(table: RawTable) -> tuple[Joint, ...]:
     count = next(k for k in range(len(there) + 1) if not {f"q{k + 1}", f"tau{k + 1}"} <= there)
     count = count or int({"q", "tau"} <= there)
     meant = {column.name: found.name for column in table.columns if (found := recognise(column.name))}
-    if count == 1 and {"q2", "tau2"} & set(meant.values()):
+    if count == 1 and ({"q2", "tau2"} & set(meant.values()) or {"q0", "tau0"} & there):
         return LEG
     named = any(quantity_of(meaning) in ("q", "tau") and not re.search(r"\d", name) for name, meaning in meant.items())
     many = 0 if named else counted_joints(table.names)  # of a leg whose joints are named, numbers count other things
