@@ -271,12 +271,14 @@ _COLUMNS = (
 def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
     """Return whether an effect had to rescue a rigid machine that explains little and could not exist.
 
-    One that leaves next to the noise, with numbers that are possible, has not: a strong spring is no wrong channel.
+    One that leaves next to the noise, or little of the torque, with numbers that are possible, has not: a strong spring
+    is no wrong channel.
     """
     share, wrong = left_share(base), _impossible(base)
     if not np.nanmax(share, initial=0.0) > rules.half or not wrong:
         return None
-    if not _impossible(last) and np.all(last.evaluation_rms <= rules.near_noise * last.prepared.noise_floor):
+    near = np.all(last.evaluation_rms <= rules.near_noise * last.prepared.noise_floor)
+    if not _impossible(last) and (near or np.nanmax(left_share(last), initial=0.0) <= rules.worth_telling):
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, base.model.joint_names))
     machine = machine_word(base.model.joints)
