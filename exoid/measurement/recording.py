@@ -206,7 +206,8 @@ class Recording:
             kept = ("-".join(called.get(part, part) for part in one.split("-")) for one in self.conventions)
             return replace(self, joints=joints, conventions=tuple(kept))
         mine, wanted = ", ".join(self.joint_names), ", ".join(names(joints))
-        mine = f"{len(self.joints)} joints" if unnamed else mine
+        count = len(self.joints)
+        mine = mine if not unnamed else "one joint" if count == 1 else f"{count} joints"
         what = f"the recording is of a machine with {mine}, the model has {wanted}"
         remedy = "give the machine's model with --model FILE, a URDF or what exoid model writes; in Python "
         remedy += "read_recording(FILE, joints=model.joints)"

@@ -152,3 +152,14 @@ def test_encoders_are_offered_one_resolution_and_a_wrong_one_is_named_as_steps_a
     units = {"q1": "deg/11.3778", "q2": "deg/11.3778"}
     (doubt,) = compare(Model.standard(), [read_recording(one, units=units) for one in made]).misread
     assert "motor-angle" in doubt.remedy and "q1 about 12288 instead of 4096" in doubt.remedy
+
+
+def test_counts_are_asked_together_with_the_columns_that_are_missing():
+    """One message, and what it says works as it is printed."""
+    load = np.where(CURRENT < 0, 1024 - CURRENT, CURRENT)
+    with pytest.raises(RecordingError) as error:
+        read_recording({"t": T, "Present_Position": POSITION, "Present_Load": load}, joints=SERVO)
+    assert "--map tau1=Present_Load --units q1=deg/11.3778,tau1=Nm*0.001 with your numbers" in error.value.remedy
+    with pytest.raises(RecordingError) as error:
+        read_recording({"t": T, "Present_Position": POSITION, "Present_Current": load}, joints=SERVO)
+    assert "--units tau1=Nm/A*0.1*50,q1=deg/11.3778 with your numbers" in error.value.remedy

@@ -14,6 +14,7 @@ import numpy as np
 
 from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
+from exoid.measurement.reading.counts import counts_in, question
 from exoid.measurement.reading.likely import counted_joints, likely_option
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
 from exoid.measurement.reading.names import (
@@ -131,7 +132,7 @@ def assign_usable(
     for name in idle:
         chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
-        _check_missing(chosen, table, where, joints, no_clock, modelled)
+        _check_missing(chosen, table, where, joints, no_clock, modelled, units)
     out: dict[str, Assigned] = {}
     faults: dict[str, RecordingError] = {}
     asked: list[RecordingError] = []
@@ -326,7 +327,7 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
 
 def _check_missing(
     chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], no_clock: str,
-    modelled: bool,
+    modelled: bool, units: Mapping[str, str],
 ) -> None:
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
@@ -335,6 +336,18 @@ def _check_missing(
     error = NoChannelsError if nothing else RecordingError
     seen_there = f"columns found: {listed(table.names)}"
     seen_there += f"; no columns of numbers: {listed(table.others, 8)}" if table.others else ""
+
+    def counted(columns: Mapping[str, RawColumn]) -> tuple[str, str]:
+        """The --units of counts among columns, which would be asked for next, and what they are."""
+        plain = {
+            name: column
+            for name, column in columns.items()
+            if not {name, quantity_of(name), column.name} & set(units) and not column.unit
+        }
+        found = counts_in({n: c for n, c in plain.items() if not _hidden(c.name, n, tuple(joints))}, joints)
+        asked = question(found, joints) if found else None
+        return (asked.units, asked.notes) if asked else ("", "")
+
     if len(joints) > MANY and not modelled:
         what = f"the file has {len(joints)} joints ({seen_there}), and no model says what machine that is"
         remedy = "give its model first: --model FILE, a URDF or what exoid model writes; in Python joints=model.joints"
@@ -345,17 +358,22 @@ def _check_missing(
     torques = [name for name in missing if quantity_of(name) == "tau"]
     if torques and torques == missing and currents:
         shown = ", ".join(repr(name) for name in list(currents.values())[:4])
+        amperes = ",".join(f"{name}=Nm/A*0.1*50" for name in torques)
+        counts, notes = counted(chosen)
         raise RecordingError(
             f"no column for {', '.join(missing)} was found, but currents: {shown}",
             where=where,
             remedy="say what one ampere is at the joint, torque constant times gear: "
-            f"--units {','.join(f'{name}=Nm/A*0.1*50' for name in torques)} with your numbers",
+            f"--units {','.join(filter(None, (amperes, counts)))} with your numbers{f' ({notes})' if notes else ''}",
         )
     idle = [joints[int(name.removeprefix("tau")) - 1].name for name in torques]
     used = {id(column) for column in chosen.values()}
     names = numbered(table.names)
     free = [replace(c, name=n) for c, n in zip(table.columns, names, strict=True) if id(c) not in used]
-    option, all_found = likely_option(missing, free, chosen["t"].values if "t" in chosen else None, joints)
+    clock = chosen["t"].values if "t" in chosen else None
+    option, all_found, likely = likely_option(missing, free, clock, joints)
+    counts, notes = counted({**chosen, **likely}) if all_found else ("", "")
+    option += f" --units {counts}" if counts else ""
     alone = torques == missing and len(idle) == 1 and "--passive" not in option
     drive = f"; --passive {idle[0]} where that joint has no drive" if alone else ""
     absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
@@ -370,7 +388,8 @@ def _check_missing(
         what = f"no column for {', '.join(missing)} was found, only set-points: {listed(asked_for, 8)} ({seen_there})"
         remedy = "log what was measured: a set-point is what the machine was asked for, and not what it did"
         raise error(what, where=where, remedy=remedy)
-    remedy = (f"did you mean {option}?" if all_found else f"say which column it is: {option}") + drive
+    numbers = f" with your numbers ({notes})" if notes else ""
+    remedy = (f"did you mean {option}{numbers}?" if all_found else f"say which column it is: {option}") + drive
     raise error(what, where=where, remedy=remedy)
 
 

@@ -45,9 +45,9 @@ def counted_joints(names: Sequence[str]) -> int:
 
 def likely_option(
     missing: Sequence[str], free: Sequence[RawColumn], time: Float | None, joints: Sequence[Joint]
-) -> tuple[str, bool]:
+) -> tuple[str, bool, dict[str, RawColumn]]:
     """Return the --map for all the `missing` columns, COLUMN where nothing is likely, and --passive for joints that
-    have no torque beside others that do; and whether every column was found.
+    have no torque beside others that do; whether every column was found; and these.
     """
     found = _guessed(missing, free, time, joints)
     torques = [name for name in missing if quantity_of(name) == "tau"]
@@ -58,7 +58,8 @@ def likely_option(
     said = [f"{name}={found.get(name, 'COLUMN')}" for name in missing if name not in idle or not passive]
     options = f"--map {shlex.quote(','.join(said))}" if said else ""
     options += f" --passive {','.join(passive)}" if passive else ""
-    return options.strip(), bool(found) and not any(name not in found for name in missing if name not in idle)
+    every = bool(found) and not any(name not in found for name in missing if name not in idle)
+    return options.strip(), every, {name: next(c for c in free if c.name == own) for name, own in found.items()}
 
 
 def _guessed(

@@ -57,7 +57,7 @@ def widened(table: RawTable) -> RawTable:
     for name, own in numbers.items():
         values = value.values[own] if name == main else onto(t[at], t[own], value.values[own])
         plain, unit = split_unit(name)
-        there = {units[k] for k in own} if units else set()
+        there = {units[int(k)] for k in own} if units else set()
         columns.append(RawColumn(plain, values, unit or (there.pop() if len(there) == 1 else "")))
     what = f"one value stands in each row: the {len(numbers)} keys of {keys.name} are columns, on the clock of {main}"
     notes = (*table.notes, Finding("format", "info", what))

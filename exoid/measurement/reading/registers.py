@@ -5,7 +5,6 @@ A sign is put right where the samples leave no doubt; what one count is only a p
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -13,23 +12,17 @@ import numpy as np
 from exoid.ground.errors import RecordingError
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.columns import Assigned
-from exoid.measurement.reading.limits import FASTEST
+from exoid.measurement.reading.counts import REACH, Counts, always_negative, are_counts, question
 from exoid.measurement.reading.names import kind_of, quantity_of
 from exoid.measurement.reading.outside import CONTACT
 from exoid.measurement.reading.signs import Signed, below_zero, continued, is_whole, signed
 from exoid.measurement.reading.units import is_product
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.motion import Float
-from exoid.symbolic.units import DEGREE, SI_UNIT
+from exoid.symbolic.units import DEGREE
 
 COUNTED = "counts of {}"
 """What a finding is called that says that an angle counts the steps of an encoder."""
-REACH = {"q": 4 * np.pi, "dq": FASTEST, "ddq": np.inf, "tau": 1000.0}
-"""rad, rad/s and N·m that whole numbers without a unit go to, beyond which they are counts: nobody logs two turns, or
-the torque of a strong drive, without a decimal."""
-CIRCLES = (1024, 4096, 8192, 16384, 65536, 262144, 1048576)
-"""Counts of one turn that encoders have."""
-TURN = 360.0
 
 
 def in_si(
@@ -53,22 +46,26 @@ def in_si(
                 mended[name] = how
             if found.doubt:
                 findings.append(_doubt(name, item, found.doubt, where))
-            if item.told and (negative := _negative(name, item, joints)):
+            if item.told and (negative := always_negative(name, Counts(item.column.name, item.column.values))):
                 findings.append(_warning(*negative, where))
             if quantity in REACH and is_whole(values):
                 # Their rates count what the angles do.
                 own = quantity not in ("q", "tau") and f"q{name.removeprefix(quantity)}" in counted
-                if not item.told and (how or own or np.nanmax(np.abs(values), initial=0.0) > _reach(name, joints)):
+                if not item.told and (own or are_counts(name, values, bool(how), joints)):
                     counts[name] = values
                 if quantity == "q" and item.told and is_product(item.unit) and kind_of(name, joints) == "q":
                     counted.add(name)
                     what = f"{name} counts the steps of an encoder, whose zero may lie anywhere"
                     findings.append(Finding(COUNTED.format(name), "info", what, where, item.factor))
         columns[name] = values * item.factor
-    asked = {name: values for name, values in counts.items() if quantity_of(name) in ("q", "tau")}
+    asked = {
+        name: Counts(assigned[name].column.name, values)
+        for name, values in counts.items()
+        if quantity_of(name) in ("q", "tau")
+    }
     if asked:
-        what, remedy = _question(asked, assigned, joints)
-        raise RecordingError(what, where=where, remedy=remedy)
+        what, units, notes = question(asked, joints)
+        raise RecordingError(what, where=where, remedy=f"--units {units} with your numbers ({notes})")
     spare = [name for name in counts if name not in asked]
     columns = {name: values for name, values in columns.items() if name not in spare}
     for name, how in mended.items():
@@ -102,16 +99,6 @@ def _signed(name: str, item: Assigned, where: str, joints: Sequence[Joint]) -> S
     return found
 
 
-def _negative(name: str, item: Assigned, joints: Sequence[Joint]) -> tuple[str, str] | None:
-    """Return that a torque is never far from the end of a register, as one that is always negative, and what to do."""
-    span = below_zero(item.column.values) if quantity_of(name) == "tau" else 0.0
-    if not span:
-        return None
-    column = item.column.name
-    what = f"{name} ({column!r}) stays close under {span:.0f}, as the negative numbers of an unsigned register do"
-    return what, f"if they are: --map {shlex.quote(f'{name}={column}-{span:.0f}')}"
-
-
 def _by_turns(values: Float, factor: float) -> bool:
     """Whether an angle jumps by whole turns, in its unit or in degrees."""
     good = values[np.isfinite(values)]
@@ -129,37 +116,3 @@ def _doubt(name: str, item: Assigned, doubt: str, where: str) -> Finding:
 def _warning(what: str, remedy: str, where: str) -> Finding:
     consequence = "every parameter is wrong"
     return Finding("registers", "warning", what, where, None, None, remedy, consequence, "likely")
-
-
-def _reach(name: str, joints: Sequence[Joint]) -> float:
-    turning = kind_of(name, joints) in ("q", "tau")
-    return REACH[quantity_of(name)] if turning else np.inf
-
-
-def _question(
-    counts: Mapping[str, Float], assigned: Mapping[str, Assigned], joints: Sequence[Joint]
-) -> tuple[str, str]:
-    """Return what is asked of counts without a unit, and what to do."""
-    shown, options, notes = [], [], []
-    reach = {name: float(np.abs(values[np.isfinite(values)]).max()) for name, values in counts.items()}
-    most = max((size for name, size in reach.items() if quantity_of(name) == "q"), default=0.0)
-    circle = next((one for one in CIRCLES if one > most), CIRCLES[-1])  # encoders of one machine are mostly alike
-    for name, values in counts.items():
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        unit = SI_UNIT[kind_of(name, joints)]
-        shown.append(f"{name} ({assigned[name].column.name!r}, {low:.0f} to {high:.0f})")
-        if quantity_of(name) == "tau":
-            options.append(f"{name}=Nm*0.001")
-            notes.append(f"{name}: {unit} of one count")
-        elif most < TURN:
-            options.append(f"{name}=deg")
-            notes.append("degrees, or deg/NUMBER with the counts of a degree")
-        else:
-            options.append(f"{name}=deg/{circle / TURN:.6g}")
-            notes.append(f"angles: here {circle} counts a turn; rad/NUMBER where you know the counts of a radian")
-        if negative := _negative(name, assigned[name], joints):
-            notes.append(f"it {negative[0].partition(' ')[2].partition(') ')[2]}, {negative[1]}")
-    what = f"{' and '.join(shown)} are whole numbers without a unit: counts, and not yet rad or N·m"
-    if len(shown) == 1:
-        what = what.replace(" are whole", " holds whole")
-    return what, f"--units {','.join(options)} with your numbers ({'; '.join(dict.fromkeys(notes))})"
