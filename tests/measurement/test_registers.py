@@ -163,3 +163,10 @@ def test_counts_are_asked_together_with_the_columns_that_are_missing():
     with pytest.raises(RecordingError) as error:
         read_recording({"t": T, "Present_Position": POSITION, "Present_Current": load}, joints=SERVO)
     assert "--units tau1=Nm/A*0.1*50,q1=deg/11.3778 with your numbers" in error.value.remedy
+
+
+def test_whole_degrees_are_called_degrees():
+    table = {"t": T, "q1": np.round(40 * np.sin(T)), "q2": np.round(50 * np.cos(T)), "tau1": np.cos(T), "tau2": np.cos(T)}
+    with pytest.raises(RecordingError, match="degrees, or counts of an encoder, and not rad") as error:
+        read_recording(table)
+    assert error.value.remedy.startswith("--units q1=deg,q2=deg if it is so (angles: here degrees;")

@@ -364,7 +364,7 @@ def _check_missing(
             f"no column for {', '.join(missing)} was found, but currents: {shown}",
             where=where,
             remedy="say what one ampere is at the joint, torque constant times gear: "
-            f"--units {','.join(filter(None, (amperes, counts)))} with your numbers{f' ({notes})' if notes else ''}",
+            f"--units {','.join(filter(None, (amperes, counts)))} {notes or 'with your numbers'}",
         )
     idle = [joints[int(name.removeprefix("tau")) - 1].name for name in torques]
     used = {id(column) for column in chosen.values()}
@@ -388,7 +388,7 @@ def _check_missing(
         what = f"no column for {', '.join(missing)} was found, only set-points: {listed(asked_for, 8)} ({seen_there})"
         remedy = "log what was measured: a set-point is what the machine was asked for, and not what it did"
         raise error(what, where=where, remedy=remedy)
-    numbers = f" with your numbers ({notes})" if notes else ""
+    numbers = f" {notes}" if notes else ""
     remedy = (f"did you mean {option}{numbers}?" if all_found else f"say which column it is: {option}") + drive
     raise error(what, where=where, remedy=remedy)
 

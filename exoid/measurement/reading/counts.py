@@ -35,7 +35,7 @@ class Counts(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """What is asked of counts: `what`, the values of --units to type, and what each of them is."""
+    """What is asked of counts: `what`, the values of --units to type, and what is to be done with them."""
 
     what: str
     units: str
@@ -74,16 +74,20 @@ def question(counts: Mapping[str, Counts], joints: Sequence[Joint]) -> Asked:
             notes.append(f"{name}: {SI_UNIT[kind_of(name, joints)]} of one count")
         elif most < TURN:
             options.append(f"{name}=deg")
-            notes.append("degrees, or deg/NUMBER with the counts of a degree")
+            notes.append("angles: here degrees; deg/NUMBER where you know the counts of a degree")
         else:
             options.append(f"{name}=deg/{circle / TURN:.6g}")
             notes.append(f"angles: here {circle} counts a turn; rad/NUMBER where you know the counts of a radian")
         if negative := always_negative(name, one):
             notes.append(f"{negative[0]}, {negative[1]}")
-    what = f"{' and '.join(shown)} are whole numbers without a unit: counts, and not yet rad or N·m"
+    angles = all(quantity_of(name) == "q" for name in counts)
+    kind = "degrees, or counts of an encoder" if angles and most < TURN else "counts"
+    si = "rad" if angles else "rad or N·m"
+    what = f"{' and '.join(shown)} are whole numbers without a unit: {kind}, and not {si}"
     if len(shown) == 1:
         what = what.replace(" are whole", " holds whole")
-    return Asked(what, ",".join(options), "; ".join(dict.fromkeys(notes)))
+    sure = "with your numbers" if any("/" in one or "*" in one for one in options) else "if it is so"
+    return Asked(what, ",".join(options), f"{sure} ({'; '.join(dict.fromkeys(notes))})")
 
 
 def always_negative(name: str, one: Counts) -> tuple[str, str] | None:

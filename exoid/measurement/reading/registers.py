@@ -65,7 +65,7 @@ def in_si(
     }
     if asked:
         what, units, notes = question(asked, joints)
-        raise RecordingError(what, where=where, remedy=f"--units {units} with your numbers ({notes})")
+        raise RecordingError(what, where=where, remedy=f"--units {units} {notes}")
     spare = [name for name in counts if name not in asked]
     columns = {name: values for name, values in columns.items() if name not in spare}
     for name, how in mended.items():
