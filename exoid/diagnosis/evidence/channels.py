@@ -342,35 +342,35 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _another_machine(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether held-out recordings are badly explained by the model that was found, and well by numbers of their
-    own.
+    """Return whether held-out recordings are badly explained by the numbers that were fitted, and well by numbers of
+    their own.
 
     At least one number must differ by more than both intervals allow. Effects that explain most of what the given model
-    leaves of them are those of their machine, too.
+    leaves of the recordings held out are those of their machine, too.
     """
-    given, unseen = base.verify_rms, last.verify_rms
-    if given is None or unseen is None:
+    now = base if last.model.shapes else last
+    unseen, found = now.verify_rms, last.verify_rms
+    if unseen is None or found is None:
         return None
-    used = [any(p.used[j].any() for p in last.prepared.verify) for j in range(len(unseen))]
-    known = (last.train_rms > 0.0) & np.array(used)
+    used = [any(p.used[j].any() for p in now.prepared.verify) for j in range(len(unseen))]
+    known = (now.train_rms > 0.0) & np.array(used)
     if not known.any():
         return None
-    worse = unseen[known] / last.train_rms[known]
+    worse = unseen[known] / now.train_rms[known]
     if worse.max() < rules.near_noise or worse.min() < rules.artefact:
         return None
-    if np.all(unseen[known] ** 2 <= rules.little * given[known] ** 2):
+    if now is base and np.all(found[known] ** 2 <= rules.little * unseen[known] ** 2):
         return None
-    swapped: Prepared = replace(last.prepared, train=last.prepared.verify, verify=())
-    plain = base.model if last.model.shapes else last.model
-    alone = fitted_model(identify(plain, swapped.train, optimisers=()), swapped)
+    swapped: Prepared = replace(now.prepared, train=now.prepared.verify, verify=())
+    alone = fitted_model(identify(now.model, swapped.train, optimisers=()), swapped)
     if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.little:
         return None
-    moved = moved_numbers(last.fit, alone.fit)
+    moved = moved_numbers(now.fit, alone.fit)
     if not moved:  # a few seconds that both fit well, and neither knows the numbers: nothing says they differ
         return None
     errors = ", ".join(
         f"{joint.name} {a:.3g} {joint.unit('tau')} on fitted and {b:.3g} {joint.unit('tau')} on held-out motion"
-        for joint, a, b, k in zip(last.model.joints, last.train_rms, unseen, known, strict=True)
+        for joint, a, b, k in zip(now.model.joints, now.train_rms, unseen, known, strict=True)
         if k
     )
     return Doubt(
@@ -378,7 +378,7 @@ def _another_machine(base: FittedModel, last: FittedModel, rules: Rules) -> Doub
         "leaves little of it",
         f"The held-out recordings are not of the machine that was fitted: the model leaves {errors}, yet fitted alone "
         f"they are explained. Fitted and held out want: {'; '.join(moved[:4])}.",
-        f"verify with recordings of the same {machine_word(last.model.joints)}, with the same load (--payload) and the "
+        f"verify with recordings of the same {machine_word(now.model.joints)}, with the same load (--payload) and the "
         "same zeros",
     )
 
