@@ -353,7 +353,9 @@ SAME = 1e-12
 
 
 _KEPT: WeakKeyDictionary[Motion, tuple[tuple[Any, ...], Float]] = WeakKeyDictionary()
-"""Base columns of the plain machine along motions that are still in use, with its lengths, gravity and forces."""
+"""Base columns of the plain machine along motions that are still in use, with its lengths, gravity and forces. Computed
+anew each time they take 0.5 to 0.8 s of the 5 s of `discover` on a leg, and 9 of the 39 s of `diagnose` on an arm.
+"""
 LONGEST_KEPT = 400_000
 """Samples of a motion whose base columns are kept, at most: 50 MB."""
 

@@ -171,7 +171,8 @@ class Compiled:
 
 _STATES: WeakKeyDictionary[Motion, dict[tuple[bool, int], Float]] = WeakKeyDictionary()
 """Motions that are still in use as compiled functions read them, without and with that of their base, and with how many
-columns of forces."""
+columns of forces. Put together anew each time they take 0.3 of the 5 s of `discover` on a leg.
+"""
 _RECENT: dict[tuple[str, str], Compiled] = {}
 
 
