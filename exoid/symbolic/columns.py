@@ -289,7 +289,9 @@ STENCIL = {
 """(step, weight) of the differences f(x + step) - f(x - step) that make a derivative: of sixth order by an angle; exact
 by a velocity and an acceleration, in which the torque is quadratic and linear."""
 _DERIVED: WeakKeyDictionary[Motion, dict[tuple[Any, ...], Float]] = WeakKeyDictionary()
-"""Derivatives (J, N, P) of the base columns along motions that are still in use."""
+"""Derivatives (J, N, P) of the base columns along motions that are still in use. Computed anew each time, `diagnose`
+on an arm of six joints takes 74 instead of 30 s.
+"""
 
 
 def transformed(model: ModelStructure, term: Term, motion: Motion, linear: Float, shapes: Float, nodes: Float) -> Float:
