@@ -289,7 +289,9 @@ STENCIL = {
 """(step, weight) of the differences f(x + step) - f(x - step) that make a derivative: of sixth order by an angle; exact
 by a velocity and an acceleration, in which the torque is quadratic and linear."""
 _DERIVED: WeakKeyDictionary[Motion, dict[tuple[Any, ...], Float]] = WeakKeyDictionary()
-"""Derivatives (J, N, P) of the base columns along motions that are still in use."""
+"""Derivatives (J, N, P) of the base columns along motions that are still in use. Computed anew each time, `diagnose`
+on an arm of six joints takes 74 instead of 30 s.
+"""
 
 
 def transformed(model: ModelStructure, term: Term, motion: Motion, linear: Float, shapes: Float, nodes: Float) -> Float:
@@ -353,7 +355,9 @@ SAME = 1e-12
 
 
 _KEPT: WeakKeyDictionary[Motion, tuple[tuple[Any, ...], Float]] = WeakKeyDictionary()
-"""Base columns of the plain machine along motions that are still in use, with its lengths, gravity and forces."""
+"""Base columns of the plain machine along motions that are still in use, with its lengths, gravity and forces. Computed
+anew each time they take 0.5 to 0.8 s of the 5 s of `discover` on a leg, and 9 of the 39 s of `diagnose` on an arm.
+"""
 LONGEST_KEPT = 400_000
 """Samples of a motion whose base columns are kept, at most: 50 MB."""
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from ctypes import c_long, c_void_p
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -124,17 +123,13 @@ class Compiled:
         return out
 
     def _state(self, motion: Motion) -> Float:
-        kept = _STATES.setdefault(motion, {})
-        moving, pushed = key = self.model.moving_base, len(self.model.channels)
-        if key not in kept:
-            state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
-            if moving:
-                width = len(self.model.base_state)
-                state.append(np.zeros((len(motion), width)) if motion.base is None else motion.base)
-            if pushed:
-                state.append(forces_of(motion, pushed))
-            kept[key] = np.column_stack(state)
-        return kept[key]
+        state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
+        if self.model.moving_base:
+            width = len(self.model.base_state)
+            state.append(np.zeros((len(motion), width)) if motion.base is None else motion.base)
+        if pushed := len(self.model.channels):
+            state.append(forces_of(motion, pushed))
+        return np.column_stack(state)
 
     def _matrix(self, name: str, motion: Motion, linear: Any, shape: Any, extra: float | None = None) -> Float:
         values, shapes = self._numbers(linear, shape)
@@ -169,9 +164,6 @@ class Compiled:
         return np.ascontiguousarray(np.asarray(self.machine[name](*inputs)).T)
 
 
-_STATES: WeakKeyDictionary[Motion, dict[tuple[bool, int], Float]] = WeakKeyDictionary()
-"""Motions that are still in use as compiled functions read them, without and with that of their base, and with how many
-columns of forces."""
 _RECENT: dict[tuple[str, str], Compiled] = {}
 
 
