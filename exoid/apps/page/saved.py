@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from exoid.apps.page import recent
 from exoid.apps.page.folder import LARGEST, SESSION, SessionFolder, inside
 from exoid.apps.page.given import FIT, VERIFY
 from exoid.apps.page.takeaway import MODEL, REPORT, model_toml, report
@@ -208,6 +209,7 @@ def keep_in(workspace: Workspace, folder: Path) -> None:
 
 
 def _keep(workspace: Workspace, place: SessionFolder) -> None:
+    recent.note(place.folder)
     workspace.keeping.keep_in(place, partial(save, workspace, place.folder), partial(report, workspace))
 
 
