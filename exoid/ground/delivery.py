@@ -146,22 +146,22 @@ class Delivery:
         done: list[tuple[Staged, Path | None, bool]] = []
         with _undisturbed():
             try:
-                for one in self.staged.values():
-                    self._check(one)
+                for stage in self.staged.values():
+                    self._check(stage)
                 for place, content in self.direct:
                     _write_into(place, content)
-                for one in self.staged.values():
-                    kept = _kept(one.target) if several else None
-                    done.append((one, kept, False))
-                    _put(one, force=self.force)
-                    done[-1] = one, kept, True
+                for item in self.staged.values():
+                    kept = _kept(item.target) if several else None
+                    done.append((item, kept, False))
+                    _put(item, force=self.force)
+                    done[-1] = item, kept, True
             except BaseException:
-                for one, kept, there in reversed(done):
+                for entry, kept, there in reversed(done):
                     with contextlib.suppress(OSError):
                         if kept is not None:
-                            os.replace(kept, one.target)
+                            os.replace(kept, entry.target)
                         elif there and several:
-                            one.target.unlink(missing_ok=True)
+                            entry.target.unlink(missing_ok=True)
                 raise
             for _, kept, _ in done:
                 if kept is not None:
@@ -185,8 +185,8 @@ class Delivery:
                     folder.rmdir()
 
     def _clear(self) -> None:
-        for one in self.staged.values():
-            one.temporary.unlink(missing_ok=True)
+        for stage in self.staged.values():
+            stage.temporary.unlink(missing_ok=True)
         self.staged.clear()
         self.direct.clear()
 
@@ -258,7 +258,7 @@ def _resolved(path: str | Path) -> tuple[Path, os.stat_result | None]:
 
 
 def _is_stream(path: str | Path) -> bool:
-    """Whether the path names an open stream of a process, such as /dev/stdout or /dev/fd/3, wherever that leads."""
+    """True if the path names an open stream of a process, such as /dev/stdout or /dev/fd/3, wherever that leads."""
     text = str(path)
     if os.path.islink(text):
         text = os.path.join(os.path.dirname(text), os.readlink(text))
@@ -266,7 +266,7 @@ def _is_stream(path: str | Path) -> bool:
 
 
 def _replaceable(target: Path) -> bool:
-    """Whether a file can be put in place here; a device or a pipe is written into instead."""
+    """True if a file can be put in place here; a device or a pipe is written into instead."""
     return not os.path.exists(target) or (os.path.isfile(target) and not _is_stream(target))
 
 
@@ -335,7 +335,7 @@ def _kept(target: Path) -> Path | None:
 
 def sweep(folder: Path, *patterns: str, age: float = ABANDONED) -> None:
     """Remove what processes that were killed left behind in `folder` more than `age` s ago: files and folders."""
-    for left in (one for pattern in patterns for one in folder.glob(pattern)):
+    for left in (path for pattern in patterns for path in folder.glob(pattern)):
         with contextlib.suppress(OSError):
             if time.time() - left.lstat().st_mtime > age:
                 shutil.rmtree(left) if left.is_dir() else left.unlink()

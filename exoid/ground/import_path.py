@@ -25,7 +25,7 @@ def leave_out_current_folder() -> None:
     given = os.environ.get(PATH, "").split(os.pathsep)
     kept = [entry for entry in given if not _is_here(entry)]
     if kept != given:
-        here = {os.path.abspath(entry) for entry in given if _is_here(entry)} - {os.path.abspath(one) for one in kept}
+        here = {os.path.abspath(entry) for entry in given if _is_here(entry)} - {os.path.abspath(item) for item in kept}
         sys.path[:] = [entry for entry in sys.path if entry not in here or entry == HOME]
         os.environ[PATH] = os.pathsep.join(kept)
         if not kept:
@@ -56,5 +56,5 @@ def workers_import_alike(**more: str) -> Iterator[None]:
 
 
 def _is_here(entry: str) -> bool:
-    """Whether an entry of PYTHONPATH means the current folder, whichever that is."""
+    """True if an entry of PYTHONPATH means the current folder, whichever that is."""
     return os.path.normpath(entry or os.curdir) == os.curdir

@@ -48,13 +48,13 @@ def index_of_greatest(values: ArrayLike, scale: float = 0.0, within: float = TIE
 def least_of(items: Iterable[T], value: Callable[[T], Any], scale: float = 0.0, within: float = TIED) -> T:
     """Return the first of `items` whose `value` is as small as the least; ValueError where there are none."""
     every = list(items)
-    return every[index_of_least([value(one) for one in every], scale, within)]
+    return every[index_of_least([value(item) for item in every], scale, within)]
 
 
 def ascending(items: Iterable[T], value: Callable[[T], Any], scale: float = 0.0, within: float = TIED) -> list[T]:
     """Return `items` by their `value`, least first; those that tie in the order in which they were given."""
     every = list(items)
-    return [every[k] for k in order_of([value(one) for one in every], scale, within)]
+    return [every[k] for k in order_of([value(item) for item in every], scale, within)]
 
 
 def order_of(values: ArrayLike, scale: float = 0.0, within: float = TIED) -> list[int]:

@@ -114,7 +114,7 @@ class Joint:
 
     @property
     def turns(self) -> bool:
-        """Whether it is revolute (rad, N·m); a prismatic joint has m and N."""
+        """True if it is revolute (rad, N·m); a prismatic joint has m and N."""
         return self.kind == "revolute"
 
     @property
@@ -146,12 +146,12 @@ def units(joints: Sequence[Joint], quantity: str) -> str:
 
 
 def is_spatial(joints: Sequence[Joint]) -> bool:
-    """Whether these are joints of a spatial machine: one says an axis or an origin."""
+    """True if these are joints of a spatial machine: one says an axis or an origin."""
     return any(joint.axis is not None or joint.origin is not None for joint in joints)
 
 
 def is_leg(joints: Sequence[Joint]) -> bool:
-    """Whether these are hip and knee of a leg, whatever the length of its thigh."""
+    """True if these are hip and knee of a leg, whatever the length of its thigh."""
     turning = all(joint.turns for joint in joints) and not is_spatial(joints)
     return turning and names(joints) == names(LEG) and parents(joints) == (None, 0)
 

@@ -76,7 +76,7 @@ class MotionContest(ContestSubject):
 
     @property
     def size(self) -> int:
-        """How many coefficients."""
+        """Number of coefficients."""
         return self._search(False).space.size
 
     @property
@@ -108,7 +108,7 @@ class MotionContest(ContestSubject):
         entrant = search if isinstance(search, MotionEntrant) else MotionEntrant(search.optimiser, search.whitened)
         motions, half = self._search(entrant.penalised), entrant.width
         joints, _, width = motions.space.basis.shape
-        alone = np.concatenate([np.diag(one) for one in motions.space.basis])
+        alone = np.concatenate([np.diag(item) for item in motions.space.basis])
         scale = np.ones(joints * width) if search.whitened else alone
         edge = np.full(joints * width, half)
         problem = Problem(
@@ -162,7 +162,7 @@ def motion_contest(
     name = f"motions of {leg.name}"
     contest = MotionContest(name=name, model=leg, criterion=criterion, known={}, **given)
     found = found or design(leg, criterion=criterion, starts=STARTS, seed=seed)
-    values = sorted(((one.name, one.value) for one in found.candidates), key=lambda one: one[1])
+    values = sorted(((candidate.name, candidate.value) for candidate in found.candidates), key=lambda one: one[1])
     return replace(contest, known=dict(values))
 
 

@@ -65,12 +65,12 @@ class Contest(ContestSubject):
 
     @property
     def squared(self) -> bool:
-        """Whether the loss is the sum of squared errors."""
+        """True if the loss is the sum of squared errors."""
         return bool(np.isinf(self.delta).all())
 
     @property
     def size(self) -> int:
-        """How many linear parameters."""
+        """Number of linear parameters."""
         return int(self.data.columns.shape[2])
 
     @property

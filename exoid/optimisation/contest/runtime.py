@@ -45,7 +45,7 @@ class Runtime(AsJson):
 
 @dataclass(frozen=True)
 class Difference(AsJson):
-    """Whether `first` differs from `second` in `question`: `wins` and `losses` of `first` over the pairs, p-values."""
+    """True if `first` differs from `second` in `question`: `wins` and `losses` of `first` over the pairs, p-values."""
 
     first: str
     second: str

@@ -62,7 +62,7 @@ class ContestSubject(ABC):
     @property
     @abstractmethod
     def size(self) -> int:
-        """How many numbers are sought."""
+        """Number of unknowns."""
 
     @property
     @abstractmethod

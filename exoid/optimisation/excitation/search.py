@@ -265,7 +265,7 @@ class MotionSearch:
 
     @property
     def shiftable(self) -> bool:
-        """Whether a motion that starts later, or runs backwards, is the same motion to the criterion."""
+        """True if a motion that starts later, or runs backwards, is the same motion to the criterion."""
         return not self.info.model.terms and self.space.whole
 
     def _edge(self, width: float) -> Float:
@@ -304,7 +304,7 @@ def _with(field: Any, x: Float, f: float) -> tuple[Float, Float]:
 
 
 def _differences(size: int) -> int:
-    """Return how many evaluations a curvature costs in `size` dimensions."""
+    """Number of evaluations that a curvature costs in `size` dimensions."""
     return 1 + 2 * size + size * (size - 1) // 2
 
 

@@ -46,7 +46,7 @@ class MotionSpace:
 
     @property
     def size(self) -> int:
-        """How many numbers the search has."""
+        """Number of variables of the search."""
         return int(self.basis.shape[0] * self.basis.shape[2] + (len(self.limits) if self.centre is None else 0))
 
     @property

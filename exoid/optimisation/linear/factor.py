@@ -36,7 +36,7 @@ class Factor:
 
     @property
     def rank(self) -> int:
-        """How many independent directions the data determine."""
+        """Number of independent directions that the data determine."""
         return int(self.basis.shape[1])
 
 

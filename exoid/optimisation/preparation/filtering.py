@@ -378,7 +378,7 @@ def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -
 
 
 def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
-    """Return which joints (J,) stay in one place: their angle has no range, their velocity is `noise` (J,) rad/s."""
+    """Joints (J,) that stay in one place: their angle has no range, their velocity is `noise` (J,) rad/s."""
     quiet = np.asarray(dq.std(axis=0) < np.maximum(STICK, 3.0 * noise))
     if not quiet.any():
         return quiet
@@ -388,7 +388,7 @@ def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
 
 
 def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
-    """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
+    """Joints (J,) that have no drive: their torque is zero, or noise and next to nothing beside the others."""
     zero = (even.reach == 0.0) & (even.tau[0] == 0.0)
     span = even.span
     little = span < NOTHING * span.max()

@@ -107,8 +107,8 @@ class Information:
         angle = np.outer(self.times, self.rates)
         sine, cosine, count = np.sin(angle), np.cos(angle), len(self.rates)
         factors, grams = [], []
-        for one, about in zip(swing, centre, strict=True):
-            a, b = one[:, :count].T, one[:, count:].T
+        for item, about in zip(swing, centre, strict=True):
+            a, b = item[:, :count].T, item[:, count:].T
             rate = self.rates[:, None]
             swung = sine @ a + cosine @ b
             speed = cosine @ (rate * a) - sine @ (rate * b)

@@ -67,7 +67,7 @@ def sympy_from_casadi(wanted: Sequence[Any], inputs: Sequence[Any], values: Sequ
     """
     import casadi
 
-    flat = [casadi.densify(casadi.vec(casadi.SX(one).T)) for one in wanted]
+    flat = [casadi.densify(casadi.vec(casadi.SX(item).T)) for item in wanted]
     function = casadi.Function("expressions", list(inputs), flat, {"cse": False})
     return evaluated(function, [[value] for value in values], _back(), _number)
 

@@ -195,7 +195,7 @@ def _bodies(
         if parent is not None or base:
             swing = _add(_cross(turning, place), _cross(rate, _cross(rate, place)))
             acceleration = _add(acceleration, swing)
-        rate, turning, acceleration = (_back(turned, one) for one in (rate, turning, acceleration))
+        rate, turning, acceleration = (_back(turned, item) for item in (rate, turning, acceleration))
         axis = _axis(joint)
         moved = _scale(dq[k], axis)
         if joint.turns:
