@@ -206,8 +206,11 @@ class Recording:
             kept = ("-".join(called.get(part, part) for part in one.split("-")) for one in self.conventions)
             return replace(self, joints=joints, conventions=tuple(kept))
         mine, wanted = ", ".join(self.joint_names), ", ".join(names(joints))
+        count = len(self.joints)
+        mine = mine if not unnamed else "one joint" if count == 1 else f"{count} joints"
         what = f"the recording is of a machine with {mine}, the model has {wanted}"
-        remedy = "give the machine's model with --model FILE, or read_recording(FILE, joints=model.joints)"
+        remedy = "give the machine's model with --model FILE, a URDF or what exoid model writes; in Python "
+        remedy += "read_recording(FILE, joints=model.joints)"
         raise RecordingError(what, where=self.source.path or self.name, remedy=remedy)
 
     @property

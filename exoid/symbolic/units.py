@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -114,6 +115,32 @@ SI_UNIT: Mapping[str, str] = MappingProxyType(
      "dx": "m/s", "ddx": "m/s²"}
 )  # fmt: skip
 """The unit of each of them whose factor is 1."""
+SPELT: Mapping[str, tuple[str, ...]] = {
+    "deg": ("degree", "degrees", "grad", "grado", "grados", "gradi", "degre", "degres", "graden", "grau", "graus",
+            "winkelgrad"),
+    "rad": ("radian", "radians", "radiant", "radianten", "radiante", "radianti", "radiane", "radianes", "radianos",
+            "radialen", "bogenmass"),
+    "turn": ("turns", "revolution", "revolutions", "umdrehung", "umdrehungen", "tour", "tours", "vuelta", "vueltas",
+             "giro", "giri", "revolucion", "revoluciones"),
+    "rpm": ("rev/min", "u/min", "umin", "tr/min", "tours/min", "giri/min", "1/min", "min-1", "upm"),
+    "s": ("sek", "sekunde", "sekunden", "seconde", "secondes", "segundo", "segundos", "secondo", "secondi", "seg",
+          "second", "seconds", "sec"),
+    "ms": ("millisecond", "milliseconds", "millisekunde", "millisekunden", "milliseconde", "millisecondes",
+           "milisegundo", "milisegundos", "millisecondo", "millisecondi"),
+    "us": ("microsecond", "microseconds", "mikrosekunde", "mikrosekunden", "microsecondes", "microsegundos",
+           "microsecondi"),
+    "nm": ("newtonmeter", "newtonmeters", "newtonmetre", "newtonmetres", "newtonmetro", "newtonmetros",
+           "newtonmetri"),
+    "n": ("newton", "newtons"),
+    "a": ("amp", "amps", "ampere", "amperes", "amperio", "amperios"),
+    "ma": ("milliamp", "milliamps", "milliampere", "milliamperes", "miliamperio", "miliamperios"),
+    "m": ("meter", "meters", "metre", "metres", "metro", "metros", "metri"),
+    "mm": ("millimeter", "millimeters", "millimetre", "millimetres", "milimetro", "milimetros", "millimetri"),
+    "v": ("volt", "volts", "voltio", "voltios"),
+    "%": ("prozent", "pourcent", "porciento", "percento"),
+}  # fmt: skip
+"""Units written out, in some languages, without accents."""
+_SPELT = {word: unit for unit, words in SPELT.items() for word in words}
 NOT_SI = {
     "km": "m", "h": "s", "g": "kg", "t": "kg", "°C": "K", "degC": "K", "%": "1", "percent": "1", "-": "1",
 }  # fmt: skip
@@ -127,7 +154,10 @@ def plain_unit(unit: str) -> str:
     word = re.sub(r"[\s·⋅*.^_-]+(?!\d)|\^", "", unit)
     if word.startswith("MN"):  # the only prefix that is spelt with a capital; all in capitals it could be either
         return "mega" + word[1:].lower() if word == "MN" or not word.isupper() else "mega or milli"
-    return word.lower()
+    word = word.lower()
+    if not word.isascii():
+        word = "".join(letter for letter in unicodedata.normalize("NFD", word) if not unicodedata.combining(letter))
+    return _SPELT.get(word) or "/".join(_SPELT.get(part, part) for part in word.split("/"))
 
 
 def _coherent(word: str) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from exoid.diagnosis.comparison import compare
 from exoid.ground.errors import RecordingError
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 T = np.arange(800) * 0.01
 
@@ -98,3 +100,47 @@ def test_a_spare_column_in_a_unit_that_is_none_of_it_is_left_out_and_told_once(t
     (tmp_path / "plate.csv").write_text("\n".join(f"{row[0]},{row[5]}" for row in whole) + "\n", encoding="utf-8")
     with pytest.raises(RecordingError, match="is in kg"):  # what is joined was meant
         read_recording(tmp_path / "run.csv", join=tmp_path / "plate.csv")
+
+
+@pytest.mark.parametrize("unit", ["Grad", "grados", "degrés", "gradi", "graden", "graus", "Degrees"])
+def test_units_are_known_written_out_in_several_languages(unit, tmp_path):
+    header = f"t,q1 [{unit}],q2 [{unit}],tau1 [Newtonmeter],tau2 [newton-metre],dq1 [{unit}/s],dq2 [{unit}/s]"
+    q, tau = written(tmp_path / "run.csv", header, 2, more=[np.cos(T), np.cos(T)])
+    found = read_recording(tmp_path / "run.csv")
+    assert np.allclose(found.q, np.radians(q), atol=1e-4) and np.allclose(found.tau, tau, atol=1e-4)
+    assert np.allclose(found.dq, np.radians(np.cos(T))[:, None], atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "proposed"),
+    [("stopnie", 50.0, "deg"), ("radz", 50.0, "deg"), ("radz", 1.0, "rad"), ("dge", 50.0, "deg"), ("foo", 1.0, "rad")],
+)
+def test_no_unit_is_proposed_in_which_the_numbers_go_too_far(unit, size, proposed):
+    table = {"t": T, "q1": np.sin(T), f"q2 [{unit}]": size * np.sin(T), "tau1": np.cos(T), "tau2": np.cos(T)}
+    with pytest.raises(RecordingError) as refusal:
+        read_recording(table)
+    assert refusal.value.remedy.startswith(f"--units q2={proposed} if it is so")
+
+
+@pytest.mark.parametrize("name", ["q_{} tau_{}", "panda_joint{}_pos panda_joint{}_effort", "pos_{} current_{}"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_seven_joints_without_a_model_are_no_leg(name, first, tmp_path):
+    parts = enumerate(name.split())
+    columns = {part.format(k + first): np.sin(T * (1 + 0.1 * k) + j) for j, part in parts for k in range(7)}
+    with pytest.raises(RecordingError) as refusal:
+        compare(Model.standard(), read_recording({"t": T, **columns}))
+    assert "7 joints" in refusal.value.what and "--model FILE" in refusal.value.remedy
+    assert "--map" not in refusal.value.remedy
+
+
+def test_numbers_beside_named_joints_count_other_things(tmp_path):
+    columns = {"t": T, "hip_angle": T, "knee_angle": T, "hip_torque": T, "knee_torque": T}
+    columns |= {f"pos_{k}": T for k in range(4)} | {f"load_{k}": T for k in range(4)}
+    table = {name: np.sin(values) for name, values in columns.items()} | {"t": T}
+    assert read_recording(table).joint_names == ("hip", "knee")
+
+
+def test_currents_are_called_as_the_file_calls_them():
+    table = {"t": T} | {f"actual_{what}_{k}": np.sin(T + k) for what in ("q", "current") for k in (0, 1)}
+    with pytest.raises(RecordingError, match="'actual_current_0', 'actual_current_1'"):
+        read_recording(table)

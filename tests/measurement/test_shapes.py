@@ -80,3 +80,41 @@ def test_lists_become_a_column_for_each_element(fixed, tmp_path):
     assert np.allclose(in_pieces[0].q[:100], Q[:100])
     in_memory = read_recording(pd.read_parquet(path).drop(columns=["tags", "observation.image"]), told)
     assert np.allclose(in_memory.q, Q)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "time,topic,measurement", "Zeit;Kanal;Wert", "time,channel,value", "timestamp,name,val", "Time [s],Signal,Data",
+        "time,sensor_id,float_value", "tiempo,señal,valor", "t,was,wieviel", "time,signal,value,unit",
+        "time,host,_field,_measurement,_value",
+    ],
+)  # fmt: skip
+def test_tables_with_one_value_a_row_have_any_headings(header, tmp_path):
+    mark = ";" if ";" in header else ","
+    names = header.split(mark)
+    rows = [header]
+    for t, q, tau in zip(T, Q[:, 0], TAU[:, 0], strict=True):
+        for key, value, unit in (("position", np.degrees(q), "deg"), ("torque", 1000 * tau, "mNm")):
+            if "unit" not in names:
+                value = np.radians(value) if unit == "deg" else value / 1000
+            words = {"_measurement": "motor", "host": "pi", "unit": unit}
+            cells = [f"{t:.4f}", key, f"{value:.7g}"]
+            rows.append(mark.join(words.get(name) or cells.pop(0) for name in names))
+    (tmp_path / "run.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    found = read_recording(tmp_path / "run.csv", joints=ARM)
+    assert np.allclose(found.q[:, 0], Q[:, 0], atol=1e-5) and np.allclose(found.tau[:, 0], TAU[:, 0], atol=1e-4)
+
+
+def test_the_state_of_a_machine_is_no_key(tmp_path):
+    rows = [f"{t:.2f},{'walk' if t % 4 < 2 else 'stand'},{x:.5f}" for t, x in zip(T, Q[:, 0], strict=True)]
+    (tmp_path / "run.csv").write_text("\n".join(["t,mode,knob", *rows, ""]), encoding="utf-8")
+    assert open_table(tmp_path / "run.csv").names == ["t", "mode", "knob"]
+
+
+@pytest.mark.parametrize("header", ["t,q1_desired,q2_desired,tau1_cmd,tau2_cmd", "t,Soll_q1,Soll_q2,tau1_ref,tau2_ref"])
+def test_files_of_set_points_alone_are_named_as_that(header, tmp_path):
+    np.savetxt(tmp_path / "run.csv", np.column_stack([T, Q, TAU]), delimiter=",", header=header, comments="")
+    with pytest.raises(RecordingError, match="only set-points: ") as error:
+        read_recording(tmp_path / "run.csv")
+    assert "--map" not in error.value.remedy and "COLUMN" not in error.value.remedy

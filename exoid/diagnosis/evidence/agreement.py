@@ -33,6 +33,8 @@ class Agreement:
         return self.share is None or self.share >= rules.most
 
     def repeats(self, rules: Rules) -> bool:
-        """Whether nearly all splits of many recordings agree: so many do not by chance, whichever are held out."""
-        many = self.recordings >= rules.many_recordings
-        return many and self.accepted >= (1.0 - rules.level) * self.splits
+        """Whether nearly all splits of many recordings agree, of which most can tell: so many do not by chance,
+        whichever are held out.
+        """
+        many = self.recordings >= rules.many_recordings and self.of > rules.half * self.splits
+        return many and self.accepted >= (1.0 - rules.level) * self.of

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from math import comb
 
@@ -17,12 +18,13 @@ import numpy as np
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import Fits, inverse_of
 from exoid.diagnosis.evidence.score import Score, admissible
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import order_of
+from exoid.optimisation.fitting.identify import identify
 from exoid.symbolic.motion import Float
 
 MOST_AGAINST = 3
@@ -86,8 +88,28 @@ class Splits:
         rows = np.column_stack([np.where(right, gain, -np.inf), expected, seen])
         return self._agreement(rows, _ranges(tuple(score.candidate.term.effect.coefficients), own[:, :, 0]))
 
-    def term(self, fitted: FittedModel, name: str) -> Agreement:
-        """Return in how many splits the accepted term `name` of the model helps, and the ranges of its numbers."""
+    def refitted(self, fitted: FittedModel, name: str) -> Agreement:
+        """Return the same as `term` where the model is refitted in every split, its shape values too.
+
+        Far from where they were found, shape values are not linear: a split without the slowest recording knows little
+        of a width.
+        """
+        rivals, gains = (fitted.model, fitted.model.without(name)), []
+        recordings, sigma = fitted.prepared.all, self.evidence.sigma
+        for held in self.held_out:
+            kept, unseen = (tuple(p for k, p in enumerate(recordings) if (k in held) == out) for out in (False, True))
+            split, losses = replace(fitted.prepared, train=kept, verify=unseen), []
+            for model in rivals:
+                own = [k for k, shape in enumerate(fitted.model.shapes) if shape.term in {t.name for t in model.terms}]
+                fit = identify(model, kept, optimisers=(), start=fitted.shape[own] if own else None)
+                losses.append(fitted_model(fit, split).unseen_loss(sigma, self.rules))
+            gains.append(losses[1] - losses[0])
+        return self.term(fitted, name, gains)
+
+    def term(self, fitted: FittedModel, name: str, gains: Sequence[float] | None = None) -> Agreement:
+        """Return in how many splits the accepted term `name` of the model helps, and the ranges of its numbers; `gains`
+        are those in every split, where they are known.
+        """
         model = fitted.model
         names = [p.term for p in model.parameters] + [s.term for s in model.shapes]
         mine = np.array([n == name for n in names])
@@ -106,7 +128,10 @@ class Splits:
             lean = np.zeros(now.size)
             lean[mine] = now[mine] * off[mine]
             lean[rest] = -reduced @ gram[np.ix_(rest, mine)] @ lean[mine]
-            gain = self.unseen.loss(np.tile(without, (len(grams), 1))[:, :, None])[number, 0] - self.losses[number]
+            if gains is None:
+                gain = self.unseen.loss(np.tile(without, (len(grams), 1))[:, :, None])[number, 0] - self.losses[number]
+            else:
+                gain = gains[number]
             numbers = now + self.fits.step[number]
             admitted = self._possible(fitted, name, numbers)
             rows.append((gain if admitted else -np.inf, lean @ self.unseen.gram[number] @ lean, lean @ gram @ lean))

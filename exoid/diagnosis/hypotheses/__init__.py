@@ -58,6 +58,11 @@ class Claim:
     nodes: tuple[float, ...] = (0.0,)
     mix: Callable[[float], Float] = _alone
 
+    @property
+    def factor(self) -> bool:
+        """Whether it multiplies a torque of the model: its pieces are linear in the model's numbers."""
+        return self.usual != 0.0
+
 
 @cache
 def hypotheses() -> dict[str, ModuleType]:

@@ -30,7 +30,8 @@ class Fits:
     """All parts of recordings with a fitted model, ready to be fitted anew with claims.
 
     Rows and columns of a Gram matrix are those of the model, the pieces of all claims, and the residual. Where
-    recordings are cut, a zero may also begin at the cut.
+    recordings are cut, a zero may also begin at the cut. What multiplies a torque of the model does so at the `linear`
+    numbers (P,), which every weighing finds anew: another gain of half the recordings spoils those of the model given.
     """
 
     def __init__(self, now: FittedModel, rules: Rules, cuts: Cuts) -> None:
@@ -38,7 +39,7 @@ class Fits:
         self.now, self.rules, self.blocks, self.cuts = now, rules, evidence.blocks, cuts
         self.parts = parts_of(self.blocks, cuts)
         self.count = self.blocks[0].columns.shape[2]
-        self.prior = evidence.prior
+        self.prior, self.linear = evidence.prior, now.linear
         self.claims = claims_of(now.model)
         pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
         ends = self.count + np.cumsum([0, *(one.shape[2] for one in pieces[0])])
@@ -80,9 +81,32 @@ class Fits:
         return any(own.whole or one.whole or (own.start == 0) == (one.start == 0) for one in alike)
 
     def _seen(self, k: int) -> Seen:
-        now, block = self.now, self.blocks[k]
-        own = len(now.model.parameters)
-        return Seen(now.model, now.linear, block.columns[:, :, :own], now.torque(k), now.prepared.all[k].t)
+        now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
+        torque = now.torque(k) + columns @ (self.linear - now.linear)
+        return Seen(now.model, self.linear, columns, torque, now.prepared.all[k].t)
+
+    def _place_factors(self, linear: Float) -> None:
+        """Have what multiplies a torque of the model do so at other numbers (P,) of the model."""
+        self.linear = linear
+        factors = [claim for claim in self.claims if claim.factor]
+        for rows, part, use in zip(self.rows, self.parts, self.use, strict=True):
+            seen = self._seen(part.recording)
+            for claim in factors:
+                rows[:, :, self.place[claim]] = claim.pieces(seen)[:, part.kept] * use[:, :, None]
+
+    def slopes(self, state: State, numbers: Float) -> list[Float]:
+        """Derivatives (J, K, P) of what `state` adds to each part by the model's numbers, at its own `numbers` (C,)."""
+        out = []
+        groups = [(held, group) for held in state for group in held.groups]
+        for j, (part, use) in enumerate(zip(self.parts, self.use, strict=True)):
+            seen = self._seen(part.recording)
+            slope = np.zeros((*use.shape, len(self.linear)))
+            for (held, group), number in zip(groups, numbers, strict=True):
+                for p in range(len(self.linear)) if held.claim.factor and j in group else ():
+                    alone = replace(seen, linear=np.eye(len(self.linear))[p], torque=seen.columns[:, :, p])
+                    slope[:, :, p] += number * held.claim.pieces(alone)[:, part.kept, 0] * use
+            out.append(slope)
+        return out
 
     def chosen(self, state: State) -> Float:
         """Matrices (R, D, Q + 1) from rows to the model's columns, those of `state`, and the residual."""
@@ -108,7 +132,9 @@ class Fits:
                 out.append([np.tensordot(a, b, ((0, 1), (0, 1))) for a, b in parts])
             self.grams = np.array(out)
             if state:
-                left = self.left_by(state, [self.fitted(state, np.ones((len(self.rows), 2)))] * 2)
+                step = self.fitted(state, np.ones((len(self.rows), 2)))
+                self._place_factors(self.now.linear + step[: len(self.linear)])
+                left = self.left_by(state, [step] * 2)
         return self.grams
 
     def sums(self, state: State) -> Float:
@@ -162,6 +188,13 @@ class Fits:
             size = huber_terms(np.abs(r) / self.sigma[:, None], self.rules.robust)
             out.append(np.add.reduceat(size.sum(axis=0), starts))
         return out
+
+    def weighed_loss(self, state: State) -> float:
+        """Loss of all recordings where the fit is weighted for these claims; infinite where a number is none that can
+        be.
+        """
+        self.weigh(state)
+        return total(self.losses(state)) if np.isfinite(self.loss(state)) else np.inf
 
     def pays(self, before: State, after: State, clear: float) -> bool:
         """Whether `after` predicts the other halves clearly better than `before`, and by a part worth telling."""

@@ -63,7 +63,8 @@ class _Search:
         while True:
             self.fits.weigh(state)
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
-            best = least_of(longer, self.fits.loss, 1.0) if longer else state
+            best = least_of(longer, self.fits.weighed_loss, 1.0) if longer else state
+            self.fits.weigh(best)
             if not self.fits.pays(state, best, self.clear) or self._is_a_curve(state, best[-1]):
                 break
             state = best
@@ -89,7 +90,8 @@ class _Search:
         if not curve:
             return False
         self.fits.weigh((*rest, held))
-        return not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
+        explains = self.fits.pays(rest, (*rest, *curve), self.clear)
+        return explains and not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
 
     def _promising(self, state: State) -> list[Claimed]:
         """The most promising recording and node of every claim that is not held, the best few."""
@@ -138,30 +140,49 @@ class _Search:
         return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
-        """A claim with as many recordings as clearly have it."""
+        """A claim with as many recordings as clearly have it, and no more."""
         held = self._placed(state, held)
         while True:
+            now = self.fits.weighed_loss((*state, held))
             others = self._others(held)
             if not others:
-                return held
+                break
             best = self._placed(state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
             clear = self.rules.clear if held.claim.shared else self.clear
             once, then = self.fits.losses((*state, held)), self.fits.losses((*state, best))
-            if not np.isfinite(self.fits.loss((*state, best))) or clearer(once, then) < clear:
-                return held
+            if clearer(once, then) < clear or not self.fits.weighed_loss((*state, best)) < now:
+                break
             held = best
+        return held if held.claim.shared else self._fewest(state, held)
+
+    def _fewest(self, state: State, held: Claimed) -> Claimed:
+        """A claim without the recordings that need no number of their own; where those that have none may have them
+        instead, the fewer.
+        """
+        while len(held.groups) > 1:
+            self.fits.weigh((*state, held))
+            shorter = [tuple(one for one in held.groups if one is not out) for out in held.groups]
+            other = self._others(held)[-1].groups
+            tried = [replace(held, groups=one) for one in (*shorter, other) if len(one) < len(held.groups)]
+            best = least_of(tried, lambda one: self.fits.loss((*state, one)), 1.0)
+            once, then = self.fits.losses((*state, best)), self.fits.losses((*state, held))
+            if not np.isfinite(self.fits.loss((*state, best))) or clearer(once, then) >= self.rules.clear:
+                break
+            held = best
+        return held
 
     def _others(self, held: Claimed) -> list[Claimed]:
-        """A claim with one recording more; of a number that is shared, also with one less. One recording at
-        least says what is usual.
+        """A claim with one recording more; of a number that is shared, also with one less; of others, also the
+        recordings that have none in place of those that have. One recording at least says what is usual.
         """
         every = range(self.many)
         if held.claim.shared:
             toggled = [tuple(j for j in every if (j in held.groups[0]) != (j == k)) for k in every]
             return [replace(held, groups=(one,)) for one in toggled if 0 < len(one) < len(every)]
         inside = {k for group in held.groups for k in group}
-        longer = [tuple(sorted((*held.groups, (k,)))) for k in every if k not in inside]
-        return [replace(held, groups=one) for one in longer if len(one) < len(every)]
+        rest = tuple((k,) for k in every if k not in inside)
+        longer = [tuple(sorted((*held.groups, one))) for one in rest]
+        return [replace(held, groups=one) for one in (*longer, rest) if len(one) < len(every)]
 
     def _placed(self, state: State, held: Claimed) -> Claimed:
         """A claim at the node that fits best."""

@@ -61,10 +61,12 @@ class Belonging(AsJson):
 @dataclass(frozen=True, eq=False)
 class OwnNumbers:
     """What belongs to recordings beside the model `now`: the claims that are `held` of `parts` of them, their `numbers`
-    (C,), and for each part those (2, C) by which its two halves are judged.
+    (C,), and for each part those (2, C) by which its two halves are judged. Factors are those of the model's torque at
+    its `linear` numbers (P,).
     """
 
     now: FittedModel
+    linear: Float
     parts: tuple[Part, ...]
     held: State
     numbers: Float
@@ -98,8 +100,8 @@ class OwnNumbers:
 
     def _columns(self, one: PreparedRecording, j: int) -> Float:
         """Torque (J, N, C) that belongs to a part of a recording where each number is one, before the filter."""
-        model, linear, shape = self.now.model, self.now.linear, self.now.shapes[self.parts[j].recording]
-        columns = model.columns(one.motion, shape, linear if model.needs_reference else None)
+        model, linear, shape = self.now.model, self.linear, self.now.shapes[self.parts[j].recording]
+        columns = model.columns(one.motion, shape, self.now.linear if model.needs_reference else None)
         seen = Seen(model, linear, columns, model.torque(one.motion, linear, shape).T, one.motion.t)
         out = []
         for held in self.held:
@@ -134,7 +136,7 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
         many = len(held.groups)
         told += _told(fits, held, numbers[at : at + many], spread, at)
         at += many
-    return OwnNumbers(fits.now, fits.parts, state, numbers, judged, tuple(told))
+    return OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, judged, tuple(told))
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,9 +185,12 @@ def _spread(fits: Fits, state: State, step: Float) -> _Spread:
             turn = (held.claim.mix(held.node + h) - held.claim.mix(held.node - h)) / (2.0 * h)
             slopes.append((held.claim, group, step[fits.count + c] * turn))
     columns = []
+    by_model = fits.slopes(state, step[fits.count :])
     for j, (rows, chosen) in enumerate(zip(fits.rows, fits.chosen(state), strict=True)):
         own = [rows[:, :, fits.place[claim]] @ turn * (j in group) for claim, group, turn in slopes]
-        columns.append(np.concatenate([rows @ chosen[:, :-1], *(x[:, :, None] for x in own)], axis=2))
+        both = rows @ chosen[:, :-1]
+        both[:, :, : by_model[j].shape[2]] += by_model[j]
+        columns.append(np.concatenate([both, *(x[:, :, None] for x in own)], axis=2))
     recordings = np.repeat([part.recording for part in fits.parts], [one.shape[1] for one in columns])
     found = covariance(
         np.concatenate(columns, axis=1), np.concatenate(left, axis=1), fits.rules.robust * sigma, recordings

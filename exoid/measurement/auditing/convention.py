@@ -36,6 +36,7 @@ from exoid.measurement.auditing.power_left import power_left, quiet_torques, smo
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import combined_map, conventions
+from exoid.measurement.reading.registers import COUNTED
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_leg, is_spatial, machine_word, parents
@@ -104,6 +105,7 @@ def check_conventions(
     if together < LEAST:
         return ()
     found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces))
+    found = _with_counts(recordings, sets, found)
     if found is None and len(recordings) > 1:
         alone = ((one, better_reading([one], weighs, forces)) for one in _odd(recordings, weighs, forces))
         return tuple(
@@ -138,6 +140,22 @@ def _with_zeros(
     apart = np.angle(np.exp(1j * (reading.map.zero - found.reading.map.zero)))
     same = np.allclose(found.reading.map.angle, reading.map.angle) and np.abs(apart).max() < NEAR
     return found if same else Better(reading, now, left, (found.reading,))
+
+
+def _with_counts(
+    recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]], found: Better | None
+) -> Better | None:
+    """Return what was `found` with the angles of encoders alone counted otherwise, where that fits as well as gears do:
+    how many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
+    """
+    counted = {recordings[0].joints[k].name for k in counted_joints(recordings)}
+    geared = [] if found is None else [one.name for one in found.reading.names if "-motor=" in one.name]
+    if found is None or not geared or not counted.issuperset(name.partition("-motor=")[0] for name in geared):
+        return found
+    names = [one.name.replace("-motor=", "-motor-angle=") for one in found.reading.names]
+    reading = hypothesis(names, recordings[0].joints)
+    left = float(power_left(sets, [reading])[0])
+    return replace(found, reading=reading, then=left) if left < AS_GOOD * found.then else found
 
 
 def _odd(
@@ -197,6 +215,19 @@ def _file(recording: Recording) -> str:
     return Path(recording.source.path).name if recording.source.path else recording.name
 
 
+def _steps(recordings: Sequence[Recording], found: Better) -> str:
+    """Return how many steps a turn of the encoders would have whose angles count on a motor's side."""
+    said = {one.check: one.value for one in recordings[0].findings if one.value}
+    every = []
+    for k, joint in enumerate(recordings[0].joints):
+        ratio = float(abs(found.reading.map.angle[k, k]))
+        step = said.get(COUNTED.format(f"q{k + 1}"))
+        geared = any(one.name.startswith(f"{joint.name}-motor") for one in found.reading.names)
+        if step and geared and 0.0 < ratio != 1.0:
+            every.append(f"q{k + 1} about {2 * np.pi / (abs(step) * ratio):.0f} instead of {2 * np.pi / abs(step):.4g}")
+    return f"; or its encoders have other steps a turn than --units says ({', '.join(every)})" if every else ""
+
+
 def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
     option, *same = (",".join(one.name for one in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
@@ -206,6 +237,7 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     what += f"as it stands {found.now / len(joints):.0%}"
     remedy = f"if so, give --convention {file}{option}" if option else "if so, leave --convention away"
     remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
+    remedy += _steps(recordings, found)
     check = SIGN if found.reading.sides and len(recordings) == 1 else CHECK
     where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
     sure = "possible" if found.rivals or found.then > GAIN else "likely"

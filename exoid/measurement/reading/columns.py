@@ -14,15 +14,24 @@ import numpy as np
 
 from exoid.ground.errors import NoChannelsError, RecordingError
 from exoid.ground.suggest import nearest
-from exoid.measurement.reading.likely import likely_option
+from exoid.measurement.reading.counts import counts_in, question
+from exoid.measurement.reading.likely import counted_joints, likely_option
 from exoid.measurement.reading.mapping import DIMENSIONLESS, StatedMapping, listed, mapped, numbered
-from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
+from exoid.measurement.reading.names import (
+    BASE,
+    ColumnMeaning,
+    is_set_point,
+    kind_of,
+    quantity_of,
+    recognise,
+    weak_time,
+)
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
 from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.units import SLIDING, factor, is_product, is_scaled
 from exoid.measurement.recording import base_columns
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
-from exoid.symbolic.units import QUANTITIES, SI_UNIT
+from exoid.symbolic.units import QUANTITIES, SI_UNIT, plain_unit
 
 NO_CLOCK = "say how often it was sampled, in Hz: --rate 100 (design: --recorded-rate 100; watch, campaign: a column t)"
 TIMELESS = "give every sample its time, in a column t"
@@ -86,13 +95,15 @@ def assign_usable(
     joints: Sequence[Joint] = LEG,
     partial: bool = False,
     no_clock: str = NO_CLOCK,
+    modelled: bool = True,
 ) -> tuple[dict[str, Assigned], dict[str, RecordingError]]:
     """Return {canonical name: column} of what can be used, and {canonical name: error} of spare columns that cannot;
     raises RecordingError for any other that is missing, doubtful or used twice.
 
     What is `told` is {canonical: column in the file}, {quantity, canonical name or column: unit} and the leg ("left",
     "right", "ipsi" or "contra") where the file has several; a joint that is told to be passive needs no torque, which
-    is zero. With `partial`, columns may be missing: the rest stands in another file.
+    is zero. With `partial`, columns may be missing: the rest stands in another file. Unless `modelled`, nobody said
+    what the `joints` are, and they were counted.
     """
     mapping, units, leg = _by_number(told.columns, joints), _by_number(told.units, joints), told.leg
     _check_keys(mapping, canonical_columns(joints), "--map", where)
@@ -121,7 +132,7 @@ def assign_usable(
     for name in idle:
         chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
-        _check_missing(chosen, table, where, joints, no_clock)
+        _check_missing(chosen, table, where, joints, no_clock, modelled, units)
     out: dict[str, Assigned] = {}
     faults: dict[str, RecordingError] = {}
     asked: list[RecordingError] = []
@@ -152,17 +163,27 @@ def _together(errors: Sequence[RecordingError]) -> RecordingError:
 
 
 def inferred(table: RawTable) -> tuple[Joint, ...]:
-    """Return the joints of a file that nobody named: as many as it has q1, q2, ... and tau1, tau2, ...; else the leg's.
+    """Return the joints of a file that nobody named: as many as it has q1, q2, ... and tau1, tau2, ..., or three and
+    more in any other words; else the leg's.
 
     One joint only where nothing else in the file can be the second's.
     """
     there = {column.name.strip() for column in table.columns}
     count = next(k for k in range(len(there) + 1) if not {f"q{k + 1}", f"tau{k + 1}"} <= there)
     count = count or int({"q", "tau"} <= there)
-    second = {found.name for column in table.columns if (found := recognise(column.name))} & {"q2", "tau2"}
-    if count in (0, 2) or count > MOST or (count == 1 and second) or {"q0", "tau0"} & there:
+    meant = {column.name: found.name for column in table.columns if (found := recognise(column.name))}
+    if count == 1 and ({"q2", "tau2"} & set(meant.values()) or {"q0", "tau0"} & there):
+        return LEG
+    named = any(quantity_of(meaning) in ("q", "tau") and not re.search(r"\d", name) for name, meaning in meant.items())
+    many = 0 if named else counted_joints(table.names)  # of a leg whose joints are named, numbers count other things
+    count = many if many > MANY else count
+    if count in (0, 2) or count > MOST:
         return LEG
     return tuple(Joint(f"{UNNAMED}{k + 1}", length=1.0) for k in range(count))
+
+
+MANY = 2
+"""Joints of a leg: more are another machine's."""
 
 
 def _by_number(given: Mapping[str, str], joints: Sequence[Joint]) -> dict[str, str]:
@@ -305,41 +326,70 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
 
 
 def _check_missing(
-    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], no_clock: str
+    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], no_clock: str,
+    modelled: bool, units: Mapping[str, str],
 ) -> None:
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return
     nothing = len(missing) >= 2 * len(joints) and not any(quantity_of(name) in ("q", "tau") for name in chosen)
     error = NoChannelsError if nothing else RecordingError
-    seen = ((recognise(column.name, tuple(joints)), column.name) for column in table.columns)
+    seen_there = f"columns found: {listed(table.names)}"
+    seen_there += f"; no columns of numbers: {listed(table.others, 8)}" if table.others else ""
+
+    def counted(columns: Mapping[str, RawColumn]) -> tuple[str, str]:
+        """The --units of counts among columns, which would be asked for next, and what they are."""
+        plain = {
+            name: column
+            for name, column in columns.items()
+            if not {name, quantity_of(name), column.name} & set(units) and not column.unit
+        }
+        found = counts_in({n: c for n, c in plain.items() if not _hidden(c.name, n, tuple(joints))}, joints)
+        asked = question(found, joints) if found else None
+        return (asked.units, asked.notes) if asked else ("", "")
+
+    if len(joints) > MANY and not modelled:
+        what = f"the file has {len(joints)} joints ({seen_there}), and no model says what machine that is"
+        remedy = "give its model first: --model FILE, a URDF or what exoid model writes; in Python joints=model.joints"
+        raise error(what, where=where, remedy=remedy)
+    aliases, _ = _counted_from_one(table.names, len(joints))
+    seen = ((recognise(aliases.get(name, name), tuple(joints)), name) for name in table.names)
     currents = {found: name for found, name in seen if found and quantity_of(found.name) == "i"}
     torques = [name for name in missing if quantity_of(name) == "tau"]
     if torques and torques == missing and currents:
         shown = ", ".join(repr(name) for name in list(currents.values())[:4])
+        amperes = ",".join(f"{name}=Nm/A*0.1*50" for name in torques)
+        counts, notes = counted(chosen)
         raise RecordingError(
             f"no column for {', '.join(missing)} was found, but currents: {shown}",
             where=where,
             remedy="say what one ampere is at the joint, torque constant times gear: "
-            f"--units {','.join(f'{name}=Nm/A*0.1*50' for name in torques)} with your numbers",
+            f"--units {','.join(filter(None, (amperes, counts)))} {notes or 'with your numbers'}",
         )
     idle = [joints[int(name.removeprefix("tau")) - 1].name for name in torques]
     used = {id(column) for column in chosen.values()}
     names = numbered(table.names)
     free = [replace(c, name=n) for c, n in zip(table.columns, names, strict=True) if id(c) not in used]
-    option, all_found = likely_option(missing, free, chosen["t"].values if "t" in chosen else None, joints)
+    clock = chosen["t"].values if "t" in chosen else None
+    option, all_found, likely = likely_option(missing, free, clock, joints)
+    counts, notes = counted({**chosen, **likely}) if all_found else ("", "")
+    option += f" --units {counts}" if counts else ""
     alone = torques == missing and len(idle) == 1 and "--passive" not in option
     drive = f"; --passive {idle[0]} where that joint has no drive" if alone else ""
     absent = {f"{quantity}{k}" for k in range(1, len(joints) + 1) for quantity in ("q", "tau")} - set(chosen)
     other = any(name.replace("q", "tau") in absent for name in absent if quantity_of(name) == "q") and joints is LEG
     drive += "; a machine of other joints needs its model: --model FILE, in Python Model(joints=[...])" if other else ""
-    seen_there = f"columns found: {listed(table.names)}"
-    seen_there += f"; no columns of numbers: {listed(table.others, 8)}" if table.others else ""
     what = f"no column for {', '.join(missing)} was found ({seen_there})"
     if missing == ["t"]:
         what = f"no time column was found ({seen_there})"
         raise RecordingError(what, where=where, remedy=f"{no_clock}; or --map t=COLUMN")
-    remedy = (f"did you mean {option}?" if all_found else f"say which column it is: {option}") + drive
+    asked_for = [name for name in table.names if is_set_point(name, tuple(joints))]
+    if asked_for and not all_found and "=" not in option.replace("=COLUMN", ""):
+        what = f"no column for {', '.join(missing)} was found, only set-points: {listed(asked_for, 8)} ({seen_there})"
+        remedy = "log what was measured: a set-point is what the machine was asked for, and not what it did"
+        raise error(what, where=where, remedy=remedy)
+    numbers = f" {notes}" if notes else ""
+    remedy = (f"did you mean {option}{numbers}?" if all_found else f"say which column it is: {option}") + drive
     raise error(what, where=where, remedy=remedy)
 
 
@@ -399,14 +449,34 @@ def _with_unit(
         raise RecordingError(what, where=where, remedy=f"write the factor for one {written}")
     if scale is None:
         what = f"unit {unit!r} of column {column.name!r} ({name}) is not known"
-        close = nearest(unit, QUANTITIES[quantity], 1, cutoff=0.6)
-        remedy = f"--units {name}={close[0] if close else plain} if it is so; known: {', '.join(QUANTITIES[quantity])}"
+        remedy = f"--units {name}={_proposed(quantity, unit, column)} if it is so; "
+        remedy += f"known: {', '.join(QUANTITIES[quantity])}"
         raise RecordingError(what, where=where, remedy=remedy)
     if quantity == "t" and scale < 0.0:
         what = f"time counts backwards in {unit!r}: every velocity would change its sign"
         remedy = "give a unit without a minus; where the clock counts down, write a column that counts up"
         raise RecordingError(what, where=where, remedy=remedy)
     return Assigned(name, column, unit, scale, True)
+
+
+LIKELY: Mapping[str, tuple[float, str, str]] = {
+    "t": (0.5, "s", "ms"), "q": (4 * np.pi, "rad", "deg"), "dq": (50.0, "rad/s", "deg/s"), "tau": (1000.0, "Nm", "mNm"),
+    "x": (20.0, "m", "mm"), "dx": (20.0, "m/s", "mm/s"),
+}  # fmt: skip
+"""How far numbers go in SI, of a clock by how much in a step, and the unit that they are likely in beyond."""
+
+
+def _proposed(quantity: str, unit: str, column: RawColumn) -> str:
+    """Return the unit that one nobody knows may be: one misspelt by a letter, if the numbers do not go too far."""
+    most, plain, large = LIKELY.get(quantity, (np.inf, SI_UNIT[quantity].replace("·", ""), ""))
+    good = column.values[np.isfinite(column.values)]
+    size = np.abs(np.diff(good) if quantity == "t" else good)
+    far = bool(size.size and np.percentile(size, 50 if quantity == "t" else 98) > most)
+    alike = nearest(plain_unit(unit), QUANTITIES[quantity], 1, cutoff=0.8)
+    close = alike[0] if alike and alike[0][0] == plain_unit(unit)[:1] else ""
+    if close and not (far and QUANTITIES[quantity][close] >= 1.0):
+        return close
+    return large if far else plain
 
 
 def _hidden(text: str, name: str, joints: tuple[Joint, ...]) -> str:

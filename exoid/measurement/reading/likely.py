@@ -23,11 +23,31 @@ FOLLOWS = 0.9
 """Correlation from which a column is the rate of another: noise of the difference takes some of it."""
 
 
+def counted_joints(names: Sequence[str]) -> int:
+    """Return how many joints columns count that are angles and torques by their names, from 0 or from 1: as many of one
+    as of the other, 0 where that is not so.
+    """
+    stems: dict[str, dict[str, set[int]]] = {quantity: {} for quantity in HINTS}
+    for name in names:
+        found = re.fullmatch(r"(\D*)(\d{1,2})(\D*)", name)
+        words = words_in(name) - {found[2]} if found else frozenset()
+        if not found or (OTHERS | FOREIGN) & words:
+            continue
+        for quantity, hints in HINTS.items():
+            if hints & words:
+                stems[quantity].setdefault(f"{found[1]}#{found[3]}", set()).add(int(found[2]))
+    counts = (
+        {len(one) for one in found.values() if max(one) - min(one) + 1 == len(one) and min(one) < 2}
+        for found in stems.values()
+    )
+    return max(set.intersection(*counts), default=0)
+
+
 def likely_option(
     missing: Sequence[str], free: Sequence[RawColumn], time: Float | None, joints: Sequence[Joint]
-) -> tuple[str, bool]:
+) -> tuple[str, bool, dict[str, RawColumn]]:
     """Return the --map for all the `missing` columns, COLUMN where nothing is likely, and --passive for joints that
-    have no torque beside others that do; and whether every column was found.
+    have no torque beside others that do; whether every column was found; and these.
     """
     found = _guessed(missing, free, time, joints)
     torques = [name for name in missing if quantity_of(name) == "tau"]
@@ -38,7 +58,8 @@ def likely_option(
     said = [f"{name}={found.get(name, 'COLUMN')}" for name in missing if name not in idle or not passive]
     options = f"--map {shlex.quote(','.join(said))}" if said else ""
     options += f" --passive {','.join(passive)}" if passive else ""
-    return options.strip(), bool(found) and not any(name not in found for name in missing if name not in idle)
+    every = bool(found) and not any(name not in found for name in missing if name not in idle)
+    return options.strip(), every, {name: next(c for c in free if c.name == own) for name, own in found.items()}
 
 
 def _guessed(

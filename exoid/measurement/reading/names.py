@@ -71,14 +71,17 @@ FILLERS = frozenset(
 )  # fmt: skip
 PLANES = frozenset({"s"})
 """Words that may stand beside a joint and mean the sagittal plane."""
-FOREIGN = frozenset(
+SET_POINTS = frozenset(
     {
-        "roll", "yaw", "adduction", "abduction", "rotation", "frontal", "transverse",
-        "ref", "reference", "desired", "des", "cmd", "command", "commanded", "setpoint", "target", "error", "err",
-        "model", "simulated", "predicted", "feedforward", "goal", "commands", "targets", "references", "setpoints",
-        "goals", "demand", "setpt", "std", "variance", "soll", "sollwert", "consigne", "consigna", "cible", "objetivo",
+        "ref", "reference", "desired", "des", "cmd", "command", "commanded", "setpoint", "target", "goal", "commands",
+        "targets", "references", "setpoints", "goals", "demand", "setpt", "soll", "sollwert", "consigne", "consigna",
+        "cible", "objetivo",
     }
 )  # fmt: skip
+FOREIGN = SET_POINTS | {
+    "roll", "yaw", "adduction", "abduction", "rotation", "frontal", "transverse", "error", "err", "model", "simulated",
+    "predicted", "feedforward", "std", "variance",
+}  # fmt: skip
 """Anywhere in a name, also in its group, these say that it is no measurement, or not in the plane of the leg."""
 RATES = frozenset({"angle", "angles", "angular", "flexion", "ang"})
 """Beside another quantity these only say which: OpenSim's `knee_angle_r_moment` is a moment."""
@@ -197,6 +200,14 @@ def _of_base(name: str, known: Mapping[str, str]) -> ColumnMeaning | None:
 def words_in(name: str) -> frozenset[str]:
     """Return the words of a name in small letters: "LeftHipMotor1" -> left, hip, motor, 1."""
     return frozenset(word for word in re.split(r"[\W_]+", _spaced(name).lower()) if word)
+
+
+def is_set_point(name: str, joints: tuple[Joint, ...]) -> bool:
+    """Whether `name` would say an angle or a torque, but for the word that says that it was only asked for."""
+    words = [word for word in re.split(r"[\W_]+", _spaced(name).lower()) if word]
+    measured = [word for word in words if word not in SET_POINTS]
+    found = recognise("_".join(measured), joints) if len(measured) < len(words) else None
+    return found is not None and quantity_of(found.name) in ("q", "tau")
 
 
 def weak_time(name: str) -> bool:

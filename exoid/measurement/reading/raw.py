@@ -83,17 +83,12 @@ def column_from_cells(name: str, cells: Any, unit: str = "") -> RawColumn:
         return RawColumn(name, stamps, "s")
     values = np.array([_number(text) for text in texts], dtype=float)
     wrong = [i for i in np.flatnonzero(np.isnan(values)).tolist() if texts[i].lower() not in MISSING]
-    labels = tuple(texts) if len(wrong) == len(texts) and name.strip().lower() in KEYS else ()
+    labels = tuple(texts) if len(wrong) == len(texts) and len(set(texts)) <= MOST_KEYS else ()
     return RawColumn(name, values, unit, {i: texts[i][:40] for i in wrong[:20]}, len(wrong), labels=labels)
 
 
-KEYS = frozenset(
-    {
-        "key", "keys", "name", "signal", "channel", "topic", "variable", "field", "_field", "entry", "metric", "tag",
-        "series",
-    }
-)  # fmt: skip
-"""What heads the column that says, in a table with one value a row, of what the value is."""
+MOST_KEYS = 1000
+"""Different words at most of a column that may say what stands in the rows."""
 NUMERIC = (int, float, np.integer, np.floating)
 MISSING = frozenset(
     ("", "nan", "-nan", "na", "<na>", "n/a", "#n/a", "#na", "null", "none", "nat", "1.#ind", "-1.#ind", "1.#qnan")

@@ -270,7 +270,7 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     """Return the audited recording in `table`; RecordingError for what refuses it."""
     joints = machine or (LEG if told.columns else inferred(table))
     where = origin.path or name
-    assigned, faults = assign_usable(table, told, where=where, joints=joints)
+    assigned, faults = assign_usable(table, told, where=where, joints=joints, modelled=machine is not None)
     draft = read_degrees(on_one_clock(table, assigned, origin, name, joints, faults), assigned)
     recording = as_recording(draft, origin, name).with_passive(*told.passive)
     recording = read_as(mask_unusable(without_rounding(recording)), told.convention)

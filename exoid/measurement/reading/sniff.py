@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import zip_longest
 
@@ -17,6 +17,8 @@ from exoid.measurement.reading.units import is_unit
 LONGEST_LINE = 100_000
 HEAD_LINES = 400
 """A preamble of instrument settings longer than this has not been seen."""
+LEAST_ROWS = 20
+"""Lines alike from which words with a number among them are a table."""
 COMMENTS = ("#", "%", "//")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?(inf|infinity|nan)|", re.IGNORECASE)
 POINTS = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", re.ASCII)
@@ -145,10 +147,29 @@ def sniff(text: str, *, where: str) -> Layout:
         if (widths.count(width), width) > best[:2]:
             best = (widths.count(width), width, delimiter, decimal)
     count, width, delimiter, decimal = best
+    few = not count
+    if few:
+        count, width, delimiter, decimal = _mostly_words(cut, len(table))
     if not count:
         remedy = "the file needs one header line (t, q1, q2, tau1, tau2) and one row of numbers per sample"
         raise NoNumbersError("no rows of numbers were found", where=where, remedy=remedy)
-    return _header(lines, table, cut[delimiter], width, delimiter, decimal, where)
+    return _header(lines, table, cut[delimiter], width, delimiter, decimal, where, few)
+
+
+def _mostly_words(cut: Mapping[str, list[list[str]]], count: int) -> tuple[int, int, str, str]:
+    """Return (rows, width, delimiter, decimal mark) of a table with one value a row and several words beside it; none
+    where lines are not alike, as those of a text.
+    """
+    for delimiter, decimal in ((",", "."), (";", "."), ("\t", "."), (";", ","), ("\t", ",")):
+        rows = cut.get(delimiter, [])
+        width = max((len(cells) for cells in rows), default=0)
+        alike = [cells for cells in rows if len(cells) == width]
+        if width < 3 or len(alike) < max(LEAST_ROWS, 0.9 * count):
+            continue
+        numbers = (sum(bool(cells[k]) and is_number(cells[k], decimal) for cells in alike) for k in range(width))
+        if max(numbers) > 0.6 * len(alike):
+            return len(alike), width, delimiter, decimal
+    return 0, 0, "", ""
 
 
 def _lines(text: str) -> Iterator[tuple[int, int, str]]:
@@ -170,10 +191,15 @@ def _header(
     delimiter: str,
     decimal: str,
     where: str,
+    few: bool,
 ) -> Layout:
-    """Find the first row of numbers and, above it, the unit row and the names; `cut` are the cells of `table`."""
-
-    full = (i for i, cells in enumerate(cut) if len(cells) >= min(width, 2) and _is_full(cells, decimal))
+    """Find the first row of numbers and, above it, the unit row and the names; `cut` are the cells of `table`, `few` of
+    which are numbers where that is so.
+    """
+    if few:
+        full = (i for i, row in enumerate(cut) if len(row) == width and any(c and is_number(c, decimal) for c in row))
+    else:
+        full = (i for i, cells in enumerate(cut) if len(cells) >= min(width, 2) and _is_full(cells, decimal))
     first = next(full, len(cut))
     while first > 0 and len(cut[first - 1]) == width and _is_sparse(cut[first - 1], decimal):
         first -= 1  # the first rows of a channel may be empty
