@@ -53,7 +53,7 @@ class Staged:
 
 @dataclass(eq=False)
 class Delivery:
-    """What one command has read and is going to write.
+    """Files that one command has read and is going to write.
 
     `found` is what was at a place when it was first looked at: what somebody else writes there meanwhile is not
     replaced, unless `force` says so. `results` are the folders that it fills, in which no link is followed but at the
@@ -116,7 +116,7 @@ class Delivery:
         return Path(path)
 
     def place(self, path: str | Path, inside: Path | None = None) -> Path:
-        """Return where `path` really is; OSError where it is a file that was read, or must not be written."""
+        """Place where `path` really is; OSError where it is a file that was read, or must not be written."""
         if inside is not None:
             refuse_links(path, inside)
         target, status = _resolved(path)
@@ -136,7 +136,7 @@ class Delivery:
         self.folders += reversed(missing)
 
     def now(self, path: Path) -> Path:
-        """Return where the content of `path` is at this moment."""
+        """Place of the content of `path` at this moment."""
         staged = self.staged.get(_resolved(path)[0])
         return path if staged is None else staged.temporary
 
@@ -215,7 +215,7 @@ def current() -> Delivery | None:
 
 
 def where(path: str | Path) -> Path:
-    """Return where the content of `path` is now: beside it, as long as the delivery that makes it is open."""
+    """Place of the content of `path` at this moment: beside it, as long as the delivery that makes it is open."""
     delivery = _OPEN.get()
     return Path(path) if delivery is None else delivery.now(Path(path))
 

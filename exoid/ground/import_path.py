@@ -1,4 +1,4 @@
-"""Where modules are imported from: never the current folder, in which recordings of somebody else may lie.
+"""Places that modules are imported from: never the current folder, in which recordings of somebody else may lie.
 
 Python puts that folder first on the path of whatever is started with -m or -c, workers among them, and an empty or
 relative entry of PYTHONPATH means it too. A `socket.py` beside the recordings would then be run.
@@ -34,7 +34,7 @@ def leave_out_current_folder() -> None:
 
 
 def environment_of_workers() -> dict[str, str]:
-    """Return what a process that is to import what this one does needs in its environment."""
+    """Environment of a process that is to import what this one does."""
     path = [entry for entry in sys.path if entry]
     return {SAFE: "1", PATH: os.pathsep.join(path if HOME in path else [*path, HOME])}
 

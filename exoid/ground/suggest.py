@@ -1,4 +1,4 @@
-"""What a person probably meant."""
+"""Names that a person probably meant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of several is the best, so that every processor says the same: what differs by rounding alone is a tie.
+"""The best of several, the same on every processor: what differs by rounding alone is a tie.
 
 Sums of the same numbers differ in their last digits with the processor, the number of threads and the version of a
 library. Where two of several things are the same physics (a torque negated, or an angle), or differ in nothing that was
@@ -24,7 +24,7 @@ CONVERGED = 1e-6
 
 
 def tied(values: ArrayLike, scale: float = 0.0, within: float = TIED, axis: int = -1) -> NDArray[np.bool_]:
-    """Return which of `values` are as small as the least along `axis`; NaN is larger than any number.
+    """Mask of the `values` that are as small as the least along `axis`; NaN is larger than any number.
 
     `scale` is the size below which values are rounding: 1.0 for shares of a whole, 0.0 where it is their own.
     """

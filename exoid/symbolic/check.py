@@ -247,7 +247,7 @@ def paper_coriolis(mechanism: Mechanism) -> Matrix:
 
 
 def paper_checks() -> list[Check]:
-    """Return what holds, and what does not, of the equations as the paper prints them."""
+    """Checks of the equations as the paper prints them."""
     from sympy import Matrix
 
     plain = leg()

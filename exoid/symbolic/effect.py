@@ -141,7 +141,7 @@ class Effect:
 
     @property
     def made_by(self) -> str:
-        """How the torque of an effect without a text comes about, in words."""
+        """Origin of the torque of an effect without a text, in words."""
         if self.deflection is None:
             return "derived by Lagrange from the changed leg"
         angle = " + ".join(f"{key} · {text}" for key, text in self.deflection.items())

@@ -106,11 +106,11 @@ class Force:
 
     @property
     def placed(self) -> Origin:
-        """Where in space its sensor is: its place and its turn in the frame of its link's joint."""
+        """Place of its sensor in space: its place and its turn in the frame of its link's joint."""
         return Origin(self.at if isinstance(self.at, tuple) else (0.0, 0.0, 0.0), self.rpy)
 
     def index(self, joints: Sequence[Joint]) -> int:
-        """Return which link of a machine it acts on; EffectError where that has no such link."""
+        """Index of the link it acts on; EffectError where that has no such link."""
         names = [joint.name for joint in joints]
         link = LEG_LINKS.get(self.link, self.link) if is_leg(joints) else self.link
         if link not in names:

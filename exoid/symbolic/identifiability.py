@@ -1,4 +1,4 @@
-"""What no motion can distinguish: effects whose torque is, at every state, a combination of others.
+"""Effects that no motion can distinguish: those whose torque is, at every state, a combination of others.
 
 At many random states (any angle, velocity, acceleration, sign and instant, independent values of the operators with
 memory) the derivatives of the torque by all numbers are laid side by side. Where one is a combination of others, the
@@ -80,7 +80,7 @@ class Tangents:
 
 
 def structural_look_alikes(model: ModelStructure, candidates: Sequence[Term] | None = None) -> tuple[LookAlike, ...]:
-    """Return which numbers of `model` and of the `candidates` no motion can distinguish.
+    """Numbers of `model` and of the `candidates` that no motion can distinguish.
 
     Default candidates: the whole catalogue at every joint, including joints where an entry says it is absorbed. Each is
     compared with the model; those that survive are compared with each other, two at a time.
@@ -262,7 +262,7 @@ def _relation(base: Tangents, k: int, own: Tangents | None) -> LookAlike | None:
 
 
 def _pair(base: Tangents, first: str, one: Tangents, second: str, other: Tangents) -> LookAlike | None:
-    """Return how two candidates coincide once the model has taken its part of each."""
+    """Relation in which two candidates coincide once the model has taken its part of each."""
     for (outer, big), (inner, small) in (((first, one), (second, other)), ((second, other), (first, one))):
         known = np.column_stack([base.values, big.values])
         if any(_combination(known, column) is None for column in small.values.T):

@@ -67,7 +67,7 @@ def _unit(axis: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a joint's frame lies in that of the link that carries it: `xyz` m, and the angles `rpy` rad about the fixed
+    """Place of a joint's frame in that of the link that carries it: `xyz` m, and the angles `rpy` rad about the fixed
     axes x, y, z in this order (URDF's roll, pitch and yaw).
     """
 
@@ -119,7 +119,7 @@ class Joint:
 
     @property
     def reach(self) -> float:
-        """What of its own unit counts as 1 rad in thresholds written for angles."""
+        """Amount of its own unit that counts as 1 rad in thresholds written for angles."""
         return 1.0 if self.turns else LEVER
 
     def unit(self, quantity: str) -> str:
@@ -157,7 +157,7 @@ def is_leg(joints: Sequence[Joint]) -> bool:
 
 
 def machine_word(joints: Sequence[Joint]) -> str:
-    """Return what a machine of these joints is called in a sentence: "leg" or "machine"."""
+    """Word for a machine of these joints in a sentence: "leg" or "machine"."""
     return "leg" if is_leg(joints) else "machine"
 
 
@@ -207,7 +207,7 @@ def check_joints(joints: Sequence[Joint]) -> None:
 
 
 def motors_of(joints: Sequence[Joint]) -> Rows:
-    """Return how far the motor of each joint turns for each joint's angle (J, J), one to one where nothing is said;
+    """Turns of each joint's motor for each joint's angle (J, J), one to one where nothing is said;
     EffectError where that names other joints, or leaves angles open.
     """
     import numpy as np

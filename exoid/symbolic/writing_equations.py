@@ -236,7 +236,7 @@ def _renamed(names: Mapping[Symbol, str]) -> dict[Symbol, Symbol]:
 
 @cache
 def _printer() -> Any:
-    """Return what writes a SymPy expression in CasADi's words."""
+    """Printer of a SymPy expression in CasADi's words."""
     from sympy.printing.str import StrPrinter
 
     words = {"Abs": "fabs", "sign": "sign"}

@@ -28,7 +28,7 @@ INSTEAD_BELOW_THE_VERDICT = {r"\bdoubts?\b": "objection"}
 """The same where no verdict describes what a technician would see."""
 
 
-WITHOUT_A_NOUN = re.compile(r"(Return (what|whether|how|where|which|who|why|when)|Whether|Who|What|Where|How|Why|Which|When)\b")
+WITHOUT_A_NOUN = re.compile(r"(Return )?(what|whether|how|where|which|who|why|when)\b", re.IGNORECASE)
 FIRST_LINES_WITHOUT_A_NOUN = 0
 """Docstrings may begin so at most; the number only falls."""
 ONE_AS_A_VALUE = 0

@@ -86,12 +86,12 @@ class MotionContest(ContestSubject):
 
     @property
     def standard(self) -> str:
-        """Where the best known is from."""
+        """Origin of the best known value."""
         each = ", ".join(f"{name} {value:.5g}" for name, value in self.known.items())
         return f"{MEANING[self.criterion]}, best known {self.best:.5g} ({each}); no optimum is claimed"
 
     def gap(self, value: Float) -> Float:
-        """Return how far values lie above the best known: of it, and of the mean half-axis of the ellipsoid."""
+        """Distance of values above the best known: as a share of it, and of the mean half-axis of the ellipsoid."""
         values = np.asarray(value, dtype=float)
         if self.criterion == "d_optimal":
             numbers = len(self._search(False).info.names)
@@ -128,7 +128,7 @@ class MotionContest(ContestSubject):
         return {"criterion": self.criterion, "known": dict(self.known)}
 
     def _search(self, penalised: bool) -> MotionSearch:
-        """Return what evaluates motions; it holds compiled code, so each process makes its own."""
+        """Evaluator of motions; it holds compiled code, so each process makes its own."""
         key = model_key(self.model), self.criterion, penalised
         if key not in _SEARCHES:
             _SEARCHES[key] = search_of(self.model, DesignSettings(criterion=self.criterion, printed=penalised))
@@ -167,7 +167,7 @@ def motion_contest(
 
 
 def motion_entrants(kinds: Mapping[str, Any], whitened: bool = False) -> dict[str, Search]:
-    """Return who competes: every one of `kinds` with rescaled motions and with the infinite penalty."""
+    """Entrants: every one of `kinds` with rescaled motions and with the infinite penalty."""
     found: dict[str, Search] = {name: MotionEntrant(kind()) for name, kind in kinds.items()}
     found |= {f"{name}_penalty": MotionEntrant(kind(), penalised=True) for name, kind in kinds.items()}
     if whitened:

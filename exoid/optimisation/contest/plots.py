@@ -22,7 +22,7 @@ DASHES = {"whitened": "--", "penalty": ":"}
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """What gaps are measured from, in words; the `targets` (T,) that are drawn; where gaps of zero are."""
+    """Reference of the gaps, in words; the `targets` (T,) that are drawn; where gaps of zero are."""
 
     name: str
     targets: Float
@@ -31,7 +31,7 @@ class Goal:
 
 @dataclass(frozen=True, eq=False)
 class Entrant:
-    """What is drawn of one optimiser: the best `gaps` (R, G) of its runs after `evaluations` (G,), the evaluations
+    """Curves of one optimiser: the best `gaps` (R, G) of its runs after `evaluations` (G,), the evaluations
     `hits` (R, T) at which each run came to each of the drawn targets, and its `runtimes`, one per target asked for.
     """
 

@@ -1,4 +1,4 @@
-"""How long optimisers take to come near the optimum, and whether a difference between two of them is chance.
+"""Expected running times of optimisers, and tests of the difference between two of them.
 
     ERT(target) = (evaluations of all runs until they hit it, or until they gave up) / (number of runs that hit it)
 

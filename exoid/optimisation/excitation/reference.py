@@ -39,7 +39,7 @@ OPTIONS: Any = {
 
 @dataclass(frozen=True, eq=False)
 class MotionReference:
-    """Where IPOPT ended from each start: swings (I, J, 2K), offsets (I, J), iterations and its last word (I,)."""
+    """Ends of IPOPT from each start: swings (I, J, 2K), offsets (I, J), iterations and its last word (I,)."""
 
     swings: Float
     offsets: Float

@@ -1,4 +1,4 @@
-"""What a design returns: the motion, how good it is, what it makes of the limits, and what it will tell."""
+"""Result of a design: the motion, its criterion, its distance from the limits, and the precision it promises."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class DesignedMotion(AsJson):
 
 @dataclass(frozen=True)
 class Precision(AsJson):
-    """How well one number will be known: standard `deviation` in `unit`, and `relative` to its size (None: it has
+    """Expected precision of one number: standard `deviation` in `unit`, and `relative` to its size (None: it has
     none).
     """
 

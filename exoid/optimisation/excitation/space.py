@@ -1,4 +1,4 @@
-"""Where a search for motions looks: numbers in a box, each of them a motion inside the limits.
+"""Space of a search for motions: numbers in a box, each of them a motion inside the limits.
 
 The coefficients of one joint are W N y with y in [-1, 1]: W holds for each harmonic the amplitude with which it alone
 would meet the first limit, so that all directions weigh alike, and the columns of N span the coefficients that obey

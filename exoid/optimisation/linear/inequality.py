@@ -32,7 +32,7 @@ class Inequality:
         return np.asarray(self.entries @ linear - self.margin * np.eye(self.size))
 
     def room(self, linear: Float) -> float:
-        """Return what its trace is below the most it may be."""
+        """Distance of its trace from the most it may be."""
         return self.most - float(np.einsum("iip,p->", self.entries, linear))
 
     def holds(self, linear: Float) -> bool:

@@ -41,7 +41,7 @@ SHARE = 0.99
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """Where a minimum is looked for: bounds `low` and `high` (Q,), `inequalities`, and the middle of it.
+    """Region in which a minimum is looked for: bounds `low` and `high` (Q,), `inequalities`, and the middle of it.
 
     `towards` (Q,) is the slope that draws numbers to those that are usual, `weak` (Q,) a curvature towards `start`
     (Q,), which fulfils all strictly.
@@ -141,7 +141,7 @@ class _Duals:
 
 
 def _most(rates: Float) -> float:
-    """Return how far to go, 1 at most, that what changes by these shares of itself stays positive."""
+    """Longest step, 1 at most, after which values that change by these shares of themselves stay positive."""
     return min(1.0, SHARE / max(1e-9, float(-rates.min(initial=0.0))))
 
 

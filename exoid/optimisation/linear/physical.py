@@ -71,7 +71,7 @@ ANGLES = 33
 
 @dataclass(frozen=True, eq=False)
 class Physics:
-    """What is possible for a model: `low`, `high` (P,), and matrix inequalities, or those of the links behind it."""
+    """Physical limits of a model: `low`, `high` (P,), and matrix inequalities, or those of the links behind it."""
 
     names: tuple[str, ...]
     low: Float
@@ -81,7 +81,7 @@ class Physics:
 
     @property
     def machine(self) -> str:
-        """What has to be possible, in a word."""
+        """Word for the machine that has to be possible."""
         return "leg" if self.lift is None else "machine"
 
     def conditions(self, linear: Float, slope: Float) -> list[Condition]:
@@ -224,7 +224,7 @@ class Lift:
 
 
 def physics(model: Model) -> Physics:
-    """Return what is possible for `model`: the bounds of its parameters, and of its masses where it has Φ1 to Φ4."""
+    """Physical limits of `model`: the bounds of its parameters, and of its masses where it has Φ1 to Φ4."""
     names = tuple(p.name for p in model.parameters)
     low = np.array([-np.inf if p.min is None else p.min for p in model.parameters], dtype=float)
     high = np.array([np.inf if p.max is None else p.max for p in model.parameters], dtype=float)
@@ -291,7 +291,7 @@ def _energy(model: Model) -> Float:
 
 @dataclass(frozen=True, eq=False)
 class Held(AsJson):
-    """What asking for a possible `machine` changed: the parameters without it, {name: value}, what they violated, and
+    """Changes from asking for a possible `machine`: the parameters without it, {name: value}, what they violated, and
     its price.
 
     `cost` is the relative rise of the loss; 0 where the free optimum was possible already.

@@ -65,7 +65,7 @@ class ClockRate:
 
 
 def clock_rates(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
-    """How the clock of the torques runs in every recording that tells it."""
+    """Clock rates of the torques in every recording that tells them."""
     return tuple(rate for recording in prepared if (rate := clock_rate(base, recording)) is not None)
 
 
@@ -171,7 +171,7 @@ def _finding(one: ClockRate) -> Finding:
 
 
 def clock_rate(base: Model, one: PreparedRecording) -> ClockRate | None:
-    """Return how the clocks of one recording run; None where it is too short, or nothing is driven.
+    """Clock rate of one recording; None where it is too short, or nothing is driven.
 
     Where the clocks come far apart a derivative is not enough: the torque is read at the rate found so far, and again.
     """
@@ -251,7 +251,7 @@ def _own_columns(base: Model, one: PreparedRecording) -> Float:
 
 
 def _late_columns(one: PreparedRecording, torque: Float) -> Float:
-    """Return what makes a torque early, (J, K, 2): all the time alike, and by 1 s more in every s."""
+    """Columns that make a torque early, (J, K, 2): all the time alike, and by 1 s more in every s."""
     t = one.motion.t
     slope = np.gradient(low_pass(torque, min(BAND, 0.4 * one.rate), one.rate), axis=0).T * one.rate
     return one.smooth_columns(np.stack([slope, (t - 0.5 * (t[0] + t[-1])) * slope], axis=2))

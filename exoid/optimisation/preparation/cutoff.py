@@ -207,7 +207,7 @@ class _Trials:
         self._noise, self._error, self.filter_decides = noise, error, filter_decides
 
     def noise(self, k: int, of: int | None = None) -> _Noise:
-        """Return what noise does at one cut-off, that of the torque taken from another where one is named."""
+        """Effect of noise at one cut-off, that of the torque taken from another where one is named."""
         return self._noise(k, k if of is None else of)
 
     def relative(self, weighed: Sequence[int]) -> dict[int, float]:

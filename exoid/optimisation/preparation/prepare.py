@@ -247,7 +247,7 @@ def _refuse_driven(recording: Recording) -> None:
 
 
 def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding, ...]:
-    """Return what is to be said about the bases of recordings; RecordingError where a measured one is missing."""
+    """Findings on the bases of recordings; RecordingError where a measured one is missing."""
     if not model.moving_base:
         turns = sum(unit == "rad" for unit in base_columns(model.joints).values())
         moved = [
@@ -276,7 +276,7 @@ def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding,
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[str]) -> tuple[Finding, ...]:
-    """Return what share of the torques is hidden as spikes, a warning where it is more than a few, with the place."""
+    """Share of the torques that is hidden as spikes, a warning where it is more than a few, with the place."""
     shares = np.array([recording.outliers for recording in prepared])
     most = shares.max(axis=0)
     if most.max() < NOTED:
@@ -291,7 +291,7 @@ def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[st
 
 
 def _most_spikes(one: PreparedRecording, joints: Sequence[str]) -> str:
-    """Return where in a recording most of its spikes are: the joint, and the stretch of time that has most of them."""
+    """Place of most spikes in a recording: the joint, and the stretch of time that has most of them."""
     joint = index_of_greatest(one.outliers)
     first, last = np.quantile(one.times_of_spikes(joint), (0.1, 0.9))
     place = f"{one.name}, {joints[joint]}"

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MemorySignal:
-    """What feeds an input `memory[k]`: `operator` (its word), `argument` and `parameter` (SX; None for ddt).
+    """Source of an input `memory[k]`: `operator` (its word), `argument` and `parameter` (SX; None for ddt).
 
     Both may hold earlier memory inputs.
     """

@@ -160,7 +160,7 @@ def information(
     grid: int,
     backend: str = "auto",
 ) -> Information:
-    """Return what `model` needs to weigh motions of `period` s; arguments as in Information.
+    """Information matrices of `model` for motions of `period` s; arguments as in Information.
 
     `backend` "auto" takes C where there is a compiler and the model has no operator with memory; "vm" never does.
     """
