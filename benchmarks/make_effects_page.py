@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from exoid.symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
-from exoid.symbolic.effect_catalogue import catalogue  # noqa: E402 - the repository must be on the path first
+from exoid.symbolic.effect_catalogue import catalogue, every_effect  # noqa: E402 - the repository must be on the path first
 from exoid.symbolic.formula import formula  # noqa: E402
 from exoid.symbolic.identifiability import never_separable  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
@@ -28,24 +28,41 @@ Written from the catalogue by `python benchmarks/make_effects_page.py`; do not e
 
 The torque of an effect stands on the left side of the equation of motion: it is torque that the drive has to supply.
 θ, θ′, θ″ are angle, velocity and acceleration of the effect's own joint. Letters and signs: [notation](notation.md).
-What no motion at all can distinguish from an effect is computed (exact rank at random states), not typed.
+What no motion at all can distinguish from an effect is computed (exact rank at random states), not typed. Each entry
+ends with the experiment that tells it from its look-alikes, and its source.
+"""
+ELSEWHERE = """\
+
+## Other machines
+
+[Chains](machines.md) and [arms in space](machines.md#your-robot) have these as well; "hip" and "knee" stand for two
+joints that follow each other.
 """
 
 
 def page() -> str:
-    effects = list(catalogue().values())
+    effects = list(catalogue().values())  # the leg's, then those that only other machines have
     never = never_separable([name for effect in effects for name in names(effect)], Model.standard())
     lines = [HEAD, *overview(effects)]
     for family, members in groupby(effects, key=lambda effect: effect.family):
         lines += ["", f"## {family.capitalize()}"]
         for effect in members:
             lines += ["", *entry(effect, [(n, never[n]) for n in names(effect) if never[n]])]
+    lines.append(ELSEWHERE.rstrip())
+    for effect in elsewhere(effects):
+        lines += ["", *entry(effect, [])]
     return "\n".join(lines) + "\n"
 
 
+def elsewhere(effects: list[Effect]) -> list[Effect]:
+    return [effect for effect in every_effect().values() if effect not in effects]
+
+
 def overview(effects: list[Effect]) -> list[str]:
-    lines = [f"{len(effects)} effects.", "", "| effect | joint | what it is |", "|---|---|---|"]
-    return lines + [f"| [`{e.id}`](#{e.id}) | {joints(e)} | {cell(e.title or e.id)} |" for e in effects]
+    further = elsewhere(effects)
+    lines = [f"{len(effects)} effects of a leg, and {len(further)} more of other machines:", ""]
+    lines += [f"* [`{e.id}`](#{e.id}): {e.title or e.id} ({joints(e)})" for e in effects]
+    return lines + [f"* [`{e.id}`](#{e.id}): {e.title or e.id} (not on the leg)" for e in further]
 
 
 def names(effect: Effect) -> list[str]:
@@ -57,13 +74,13 @@ def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]
     lines = [f"### {effect.id}", "", effect.explains, ""]
     for joint, text in formula(effect).items():
         where = f" on the {joint}" if joint else ""
-        lines.append(f"* Torque added{where}: " + (f"`{text}`" if effect.torque else text))
+        lines.append(f"* Torque{where}: " + (f"`{text}`" if effect.torque else text))
     lines += [f"* Not on the {joint}: {reason}" for joint, reason in effect.absorbed_on.items()]
-    lines += [f"* No motion at all tells `{name}` from {', '.join(f'`{o}`' for o in others)}" for name, others in never]
+    lines += [f"* No motion tells `{name}` from {', '.join(f'`{o}`' for o in others)}" for name, others in never]
     lines += [said(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
     if effect.tells_apart:
-        lines += ["", f"Look-alikes, and the experiment that distinguishes them: {effect.tells_apart}"]
-    return [*lines, "", f"Reference: {effect.reference}"]
+        lines += ["", f"Experiment: {effect.tells_apart}"]
+    return [*lines, "", f"Source: {effect.reference}"]
 
 
 def said(name: str, number: Coefficient | Shape) -> str:
@@ -82,10 +99,6 @@ def span(number: Coefficient | Shape) -> str:
     if number.max is None:
         return f"≥ {number.min:g}"
     return f"≤ {number.max:g}" if number.min is None else f"{number.min:g} to {number.max:g}"
-
-
-def cell(text: str) -> str:
-    return text.replace("|", "\\|")
 
 
 def main() -> int:

@@ -124,19 +124,19 @@ class Comparison(Reported):
         if self.strides is not None:
             out.append(("Torque and error over the stride", self.strides.sentence, self.strides.plot()))
         drawn: dict[tuple[str, str], Where] = {}
-        for one in self.where:
-            drawn.setdefault((one.joint, one.variable), one)
-        for one in list(drawn.values())[:MOST_FIGURES]:
-            words = variables(self.now.model.joints)[one.variable]
-            at = samples_of(self.now, one.joint, one.variable)
+        for item in self.where:
+            drawn.setdefault((item.joint, item.variable), item)
+        for entry in list(drawn.values())[:MOST_FIGURES]:
+            words = variables(self.now.model.joints)[entry.variable]
+            at = samples_of(self.now, entry.joint, entry.variable)
             names = [recording.name for recording in self.now.prepared.all]
             groups = {
                 "direction": {"moving up": at.speed > 0.0, "moving down": at.speed < 0.0},
                 "recording": {name: at.recording == k for k, name in enumerate(names)},
-            }.get(one.split, {})
-            unit = self.now.model.joints[self.joints.index(one.joint)].unit("tau")
-            picture = against(one.joint, words, at.x, at.y, at.block, groups, unit)
-            out.append((f"{one.joint}: error against {words[0]}", one.sentence, picture))
+            }.get(entry.split, {})
+            unit = self.now.model.joints[self.joints.index(entry.joint)].unit("tau")
+            picture = against(entry.joint, words, at.x, at.y, at.block, groups, unit)
+            out.append((f"{entry.joint}: error against {words[0]}", entry.sentence, picture))
         return out
 
     def material(self) -> Material:
@@ -212,14 +212,14 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         prepared = now.prepared
     unseen = verification(fit, prepared)
     doubts = channel_findings(now)
-    length = None if any(one.check == OUTSIDE for one in doubts) else wanted_thigh_length(fit, prepared)
+    length = None if any(doubt.check == OUTSIDE for doubt in doubts) else wanted_thigh_length(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0)
     shown = prepared.verify or prepared.train
     return Comparison(
         fit=fit,
         rms=now.train_rms,
         verify_rms=now.verify_rms,
-        signal_rms=np.sqrt(mean_square([one.torque for one in shown], shown)),
+        signal_rms=np.sqrt(mean_square([item.torque for item in shown], shown)),
         noise_floor=prepared.noise_floor,
         sse_verify_rms=None if unseen is None else unseen.sse,
         where=() if now.prepared.misread else where_it_sits(now, curves),
@@ -251,5 +251,5 @@ def verification(fit: Fit, prepared: Prepared) -> Verification | None:
         return None
     shapes = np.broadcast_to(fit.sse.shape, np.shape(fit.shapes))
     first = replace(fit, linear=fit.sse.linear, shape=fit.sse.shape, shapes=shapes)
-    pair = [fitted_model(one, prepared).verify_rms for one in (fit, first)]
+    pair = [fitted_model(item, prepared).verify_rms for item in (fit, first)]
     return Verification(np.asarray(pair[0]), np.asarray(pair[1]))

@@ -148,14 +148,14 @@ def _beside_own(
         before, own = own, belonging_to(_on(rival.fit, given), rules) or own
         if own.agrees(before):
             break
-    told = own.without([one.recording for one in rival.left_out])
+    told = own.without([entry.recording for entry in rival.left_out])
     worse = ("check_channels", "unexplained") if answer.verdict == "check_channels" else ("check_channels",)
     if not told or rival.outside or rival.verdict in worse or not predicts_better(last, explained, rules):
         return answer
     if answer.left_out and answer.error is None and rival.error is not None:
         return answer  # what is another machine's is explained by no such number
-    machines = (explained_by(last, one) for one in _of_machine_alone(question, answer, given))
-    if any(one >= rules.most * explained_by(last, explained) for one in machines):
+    machines = (explained_by(last, item) for item in _of_machine_alone(question, answer, given))
+    if any(machine >= rules.most * explained_by(last, explained) for machine in machines):
         return answer  # an effect of the machine explains nearly as much as many numbers of recordings
     return with_own(rival, told, base)
 
@@ -165,11 +165,11 @@ def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) ->
     recordings: a number of a recording's own has seen a part of that recording, too, held out or not.
     """
     found, names, least = answer.model, [term.name for term in answer.model.terms], question.rules.worth_telling
-    near = [one for one in answer.suspects if one.name not in names and one.explained_share >= least]
+    near = [suspect for suspect in answer.suspects if suspect.name not in names and suspect.explained_share >= least]
     nearest = ascending(near, lambda one: -one.explained_share, 1.0)[:NEAREST]
     own = {effect.id: effect for effect in question.entries(given)}  # the model alone does not know these
-    effects = [own.get(one.effect) or found.find_effect(one.effect) for one in nearest]
-    with_one = (found.with_effect(effect, one.joint) for effect, one in zip(effects, nearest, strict=True))
+    effects = [own.get(item.effect) or found.find_effect(item.effect) for item in nearest]
+    with_one = (found.with_effect(effect, entry.joint) for effect, entry in zip(effects, nearest, strict=True))
     for model in (found, *with_one):
         yield _on(identify(model, given.all, optimisers=()), given)
 
@@ -189,8 +189,8 @@ def _of_machine(
     """
     question = asking.question
     odd = apart(base, question.rules) if len(base.prepared.all) > OTHERS else ()
-    fitted = [one for k, one in enumerate(recordings) if k not in odd]
-    held = [one for k, one in enumerate(verify, len(recordings)) if k not in odd]
+    fitted = [recording for k, recording in enumerate(recordings) if k not in odd]
+    held = [item for k, item in enumerate(verify, len(recordings)) if k not in odd]
     if not odd or not fitted or (verify and not held):
         return _answer(asking, base, recordings, verify)
     half = asking.part(0.0, 0.5)
@@ -202,7 +202,7 @@ def _of_machine(
     if not odd or whole.accepted or of_others.verdict != "adequate":
         return whole
     # An effect that these alone show is one of the machine, unless numbers of their own explain far more.
-    nearest = max((one.explained_share for one in whole.possible), default=0.0)
+    nearest = max((entry.explained_share for entry in whole.possible), default=0.0)
     if nearest > question.rules.worth_telling and nearest >= question.rules.half * explained_alone(
         base, of_others.fit, odd
     ):
@@ -213,7 +213,7 @@ def _of_machine(
 def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int], rules: Rules) -> Diagnosis:
     """Return the answer of the other recordings, and what is to be said of those that are `odd`."""
     left_out = why_apart(base, answer.fit, odd, rules)
-    sentence = " ".join([answer.sentence, *(f"{one.sentence}." for one in left_out)])
+    sentence = " ".join([answer.sentence, *(f"{item.sentence}." for item in left_out)])
     return replace(answer, sentence=sentence, left_out=left_out)
 
 
@@ -226,7 +226,7 @@ def _answer(
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
 
     def read(option: str) -> FittedModel:
-        fitted, held = ([read_as(one, option) for one in group] for group in (recordings, verify))
+        fitted, held = ([read_as(recording, option) for recording in group] for group in (recordings, verify))
         return question.fitted(fitted, held, whole)
 
     done = question.search(base, whole, asking.found, read)
@@ -261,7 +261,7 @@ def _answer(
     left = None if len(extensions) > rules.most_terms else state.left
     accepted = _agreed(accepted_of(extensions, rules), agreements, done.context.prepared)
     if prepared.angles_were_filtered:
-        accepted = tuple(replace(one, doubted=True) for one in accepted)
+        accepted = tuple(replace(effect, doubted=True) for effect in accepted)
     soft = done.soft or soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
         return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
@@ -290,9 +290,9 @@ def _agreed(
     accepted: Sequence[Accepted], agreements: Mapping[str, Agreement], searched: Prepared
 ) -> tuple[Accepted, ...]:
     """Return what was accepted, with what splits of the recordings say of it."""
-    names = [one.name for one in searched.all]
-    pairs = [(one, agreements.get(one.name, Agreement())) for one in accepted]
-    return tuple(replace(one, agreement=own, against=tuple(names[k] for k in own.against)) for one, own in pairs)
+    names = [item.name for item in searched.all]
+    pairs = [(effect, agreements.get(effect.name, Agreement())) for effect in accepted]
+    return tuple(replace(entry, agreement=own, against=tuple(names[k] for k in own.against)) for entry, own in pairs)
 
 
 def in_words(one: Accepted) -> Accepted:

@@ -222,7 +222,7 @@ def add(
 
 
 def _names_an_effect(given: Any) -> bool:
-    """Whether the first argument of `add` is an effect: one of one's own, or a text that is no model file."""
+    """True if the first argument of `add` is an effect: one of one's own, or a text that is no model file."""
     return isinstance(given, Effect) or (isinstance(given, str) and Path(given).suffix.lower() not in MODEL_FILES)
 
 

@@ -34,7 +34,7 @@ class HiddenParameter(AsJson):
 
     @property
     def inside(self) -> bool:
-        """Whether the interval contains the truth."""
+        """True if the interval contains the truth."""
         return self.low <= self.true <= self.high
 
     def _json(self) -> dict[str, Any]:
@@ -61,22 +61,22 @@ class Grade(AsJson):
 
     @property
     def right(self) -> bool:
-        """Whether everything hidden was found, nothing else was, and nothing hidden was called adequate."""
-        all_found = all(one.outcome != "missed" for one in self.hidden)
+        """True if everything hidden was found, nothing else was, and nothing hidden was called adequate."""
+        all_found = all(effect.outcome != "missed" for effect in self.hidden)
         return all_found and not self.extra and (bool(self.hidden) or self.verdict == "adequate")
 
     @property
     def lines(self) -> tuple[str, ...]:
         """Say it in words, a line each."""
         said = []
-        for one in self.hidden:
+        for effect in self.hidden:
             how = {
-                "found": f"{one.name}: found",
-                "in a class": f"{one.name}: named as a look-alike of {one.by}",
-                "missed": f"{one.name}: missed",
-            }[one.outcome]
+                "found": f"{effect.name}: found",
+                "in a class": f"{effect.name}: named as a look-alike of {effect.by}",
+                "missed": f"{effect.name}: missed",
+            }[effect.outcome]
             said.append(how)
-            for n in one.numbers:
+            for n in effect.numbers:
                 where = "inside" if n.inside else "outside"
                 said.append(f"  {n.name}: true {n.true:.4g}, found {n.value:.4g}, {where} {n.low:.4g} to {n.high:.4g}")
         said += [f"{name}: accepted, but not there" for name in self.extra]
@@ -118,11 +118,11 @@ def score(truth: Truth, found: Mapping[str, Any], where: str = "") -> Grade:
         }
         answers = match(truth.terms, [(name, alike) for name, (alike, _) in parts.items()])
         scored = []
-        for one in truth.effects:
-            by = answers[one.term]
-            outcome = "missed" if by is None else "found" if by == one.term else "in a class"
-            numbers = _numbers(one.values, parts[one.term][1]) if outcome == "found" else ()
-            scored.append(GradedEffect(one.term, outcome, by, numbers))
+        for effect in truth.effects:
+            by = answers[effect.term]
+            outcome = "missed" if by is None else "found" if by == effect.term else "in a class"
+            numbers = _numbers(effect.values, parts[effect.term][1]) if outcome == "found" else ()
+            scored.append(GradedEffect(effect.term, outcome, by, numbers))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ScoreError(
             "this is not the JSON of exoid diagnose or discover",

@@ -58,8 +58,8 @@ def acts_at(force: Force, estimates: Sequence[Estimate]) -> tuple[float, float, 
 def _use(force: Force, now: FittedModel) -> ForceUse:
     model, shown = now.model, now.prepared.verify or now.prepared.train
     at, gain, place = acts_at(force, now.fit.estimates)
-    made = [np.where(one.used, force_alone(model, one, force, at, gain), 0.0) for one in shown]
-    whole = [np.where(one.used, one.torque, 0.0) for one in shown]
+    made = [np.where(item.used, force_alone(model, item, force, at, gain), 0.0) for item in shown]
+    whole = [np.where(entry.used, entry.torque, 0.0) for entry in shown]
     size, all_of = (np.sqrt(np.mean(np.concatenate(part, axis=1) ** 2, axis=1)) for part in (made, whole))
     where = f"at the {force.link}" if force.frame == TORQUE else _where(force, at, place)
     parts = ", ".join(f"{joint} {x:.3g}" for joint, x in zip(model.joint_names, size, strict=True))

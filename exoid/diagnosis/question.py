@@ -110,10 +110,10 @@ class Question:
     def _takes_fewer(
         self, rival: Searched, misread: Sequence[Finding], read: Callable[[str], FittedModel] | None, tick: Progress
     ) -> bool:
-        """Whether recordings that are read otherwise are explained by fewer effects than a rival has, the other reading
+        """True if recordings that are read otherwise are explained by fewer effects than a rival has, the other reading
         counted as one: effects that make up for a wrong side are as many as it takes.
         """
-        option = next((one.option for one in misread if one.option), "")
+        option = next((item.option for item in misread if item.option), "")
         if read is None or not option:
             return False
         other = read(option)
@@ -123,7 +123,7 @@ class Question:
         return self._is_explained(found) and len(found.found.state.names) + 1 < len(rival.found.state.names)
 
     def _is_explained(self, rival: Searched | None) -> TypeGuard[Searched]:
-        """Whether a model that can be was found, and leaves about the noise."""
+        """True if a model that can be was found, and leaves about the noise."""
         if rival is None or rival.answer is not None:
             return False
         last = rival.found.state.last.fitted
@@ -176,7 +176,7 @@ def most_explained(context: SearchContext, base: FittedModel) -> float:
     model's own torque.
     """
     start = Extension(base) if context.prepared is base.prepared else context.fit(base.model)
-    candidates = [one for one in context.library.candidates if not is_transform(one.term)]
+    candidates = [candidate for candidate in context.library.candidates if not is_transform(candidate.term)]
     scores = context.all_weighed(start, context.evidence(start, draws=0), candidates)
     return max((score.share for score in scores if score.helps and not score.caution), default=0.0)
 

@@ -271,7 +271,7 @@ class Diagnosis(Reported):
         nothing was accepted. Beside others those with look-alikes are told by themselves.
         """
         told, alike = self._told_apart
-        words = [one.sureness for one in told or alike]
+        words = [item.sureness for item in told or alike]
         return least_sure([*words, FAIRLY] if words and self.more_missing else words)
 
     @property
@@ -288,10 +288,10 @@ class Diagnosis(Reported):
             own = self.verdict == "adequate" and self.of_recordings
             return f"{HEADLINES[self.verdict]}, beside what belongs to recordings" if own else HEADLINES[self.verdict]
         told, alike = self._told_apart
-        parts = [*(one.sentence for one in told), self.sureness] if told else []
+        parts = [*(item.sentence for item in told), self.sureness] if told else []
         if alike:
             which = "which of their look-alikes they are" if len(alike) > 1 else "which of its look-alikes it is"
-            parts += [*(one.sentence for one in alike), f"{UNSURE} {which}"]
+            parts += [*(entry.sentence for entry in alike), f"{UNSURE} {which}"]
         if more := self.more_missing:
             parts.append(f"more is missing: {more}")
         return f"Found: {'; '.join(parts)}"
@@ -308,7 +308,7 @@ class Diagnosis(Reported):
 
     @property
     def _named(self) -> str:
-        return "; ".join(one.sentence for one in self.accepted)
+        return "; ".join(effect.sentence for effect in self.accepted)
 
     def called(self, name: str) -> str:
         """Return what an effect such as "stribeck:knee" is called."""

@@ -155,8 +155,8 @@ class Rules:
 
     def table(self) -> Iterator[Rule]:
         """Yield every standard in the order of the groups."""
-        for one in fields(self):
-            yield Rule(one.metadata["group"], one.name, getattr(self, one.name), one.metadata["prevents"])
+        for item in fields(self):
+            yield Rule(item.metadata["group"], item.name, getattr(self, item.name), item.metadata["prevents"])
 
 
 RULES = Rules()

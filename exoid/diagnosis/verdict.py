@@ -107,9 +107,9 @@ class _End:
         if best is not None:
             told[best.name] = best
         return "".join(
-            f" {'Also near' if k else 'Nearest in the catalogue'}: {called(one.name, self.find)}, "
-            f"{100 * one.explained_share:.0f} % of the error; {one.reason}."
-            for k, one in enumerate(told.values())
+            f" {'Also near' if k else 'Nearest in the catalogue'}: {called(item.name, self.find)}, "
+            f"{100 * item.explained_share:.0f} % of the error; {item.reason}."
+            for k, item in enumerate(told.values())
         )
 
     @property
@@ -145,7 +145,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
             error.advice if swing is None else swing.advice,
             error,
         )
-    early = next((one for one in end.possible if one.early), None)
+    early = next((item for item in end.possible if item.early), None)
     if early is not None:
         return _early(early, end.first, where, end.stopped)
     only = _on_fitted_motion_only(end.last, end.possible, end.rules)
@@ -210,7 +210,7 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     floor = np.maximum(sensor_noise(last.prepared), 1e-6)
     times = last.train_rms / floor
     j = index_of_greatest(times)
-    told = max((one.explained_share for one in possible), default=0.0) >= rules.worth_telling
+    told = max((item.explained_share for item in possible), default=0.0) >= rules.worth_telling
     unseen = last.evaluation_rms[j] > rules.near_noise * floor[j]
     if not last.verified or not told or unseen or times[j] <= rules.near_noise:
         return ""
@@ -308,7 +308,7 @@ def within_filter_error(base: FittedModel) -> Conclusion:
 
 
 def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
-    """Return which entry of the catalogue comes nearest to what is left and was not accepted; None for none."""
+    """Entry of the catalogue that comes nearest to what is left and was not accepted; None for none."""
     if not possible:
         return None
     best = least_of(possible, lambda one: -one.explained_share, 1.0)
@@ -321,7 +321,7 @@ def _size(error: ModelError | None) -> str:
 
 
 def _times(last: FittedModel) -> float:
-    """Return how many times the noise floor the error is, at the worse joint."""
+    """Error at the worse joint as a multiple of the noise floor."""
     return float(times_noise(last).max(initial=0.0))
 
 
@@ -351,14 +351,14 @@ def _list(names: Sequence[str], find: Callable[[str], Effect]) -> str:
 def _deciding(alike: Sequence[Accepted], find: Callable[[str], Effect] = find_effect) -> str:
     """Return the experiments that distinguish look-alikes, from the catalogue; and say where none can."""
     parts = []
-    for one in alike:
-        if one.never_separable:
-            others = _list(one.never_separable, find)
-            parts.append(f"no motion can distinguish {called(one.name, find)} from {others}: inspect the hardware")
-        apart = [name for name in one.look_alikes if name not in (*one.never_separable, *one.outside)]
+    for item in alike:
+        if item.never_separable:
+            others = _list(item.never_separable, find)
+            parts.append(f"no motion can distinguish {called(item.name, find)} from {others}: inspect the hardware")
+        apart = [name for name in item.look_alikes if name not in (*item.never_separable, *item.outside)]
         if apart:
-            parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")
-        known = every_effect().get(one.effect)
+            parts.append(f"exoid design --separate {','.join([item.name, *apart[:2]])} finds the motion that decides")
+        known = every_effect().get(item.effect)
         if known is not None and known.tells_apart:
             parts.append(known.tells_apart)
     return "; ".join(dict.fromkeys(parts))

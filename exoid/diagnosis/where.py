@@ -82,10 +82,10 @@ def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = Fal
     j = now.model.joint_names.index(joint)
     parts = []
     recordings = now.prepared.train if train else now.prepared.all
-    for number, (one, residual) in enumerate(zip(recordings, now.residuals, strict=False)):
-        used = one.used[j]
-        block = 1000 * number + np.arange(len(one.t)) // max(1, int(BLOCK * one.kept_rate))
-        x, speed = signal_of(one, now, variable, j)[one.kept], one.motion.dq[one.kept, j]
+    for number, (item, residual) in enumerate(zip(recordings, now.residuals, strict=False)):
+        used = item.used[j]
+        block = 1000 * number + np.arange(len(item.t)) // max(1, int(BLOCK * item.kept_rate))
+        x, speed = signal_of(item, now, variable, j)[item.kept], item.motion.dq[item.kept, j]
         parts.append([column[used] for column in (x, residual[j], speed, np.full(len(block), number), block)])
     x, y, speed, index, block = (np.concatenate(column) for column in zip(*parts, strict=True))
     return ErrorSamples(x, y, speed, index, block)
@@ -93,7 +93,7 @@ def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = Fal
 
 def where_it_sits(now: FittedModel, curves: Sequence[Remainder]) -> tuple[Where, ...]:
     """Return the ranked list: curves that predict unseen error, and the regions in which the error gathers."""
-    found = [one for joint in now.model.joint_names for one in _at_joint(now, joint, curves)]
+    found = [item for joint in now.model.joint_names for item in _at_joint(now, joint, curves)]
     return tuple(ascending(found, lambda w: -w.share, 1.0))
 
 
@@ -103,21 +103,21 @@ def _at_joint(now: FittedModel, joint: str, curves: Sequence[Remainder]) -> list
     found: dict[str, Where] = {}
     if not total:
         return []
-    for one in (c for c in curves if c.joint == joint and c.joint_share >= LEAST_SHARE):
-        if one.variable in found:
+    for item in (c for c in curves if c.joint == joint and c.joint_share >= LEAST_SHARE):
+        if item.variable in found:
             continue
-        after = left - _followed(one, samples_of(now, joint, one.variable, train=True), left)
-        share = min(one.joint_share, float(left @ left - after @ after) / total)
+        after = left - _followed(item, samples_of(now, joint, item.variable, train=True), left)
+        share = min(item.joint_share, float(left @ left - after @ after) / total)
         if share < LEAST_SHARE:
             continue
-        direction = " and the direction of motion" if one.directed else ""
-        moved = ", at a place that differs between recordings" if one.own else ""
-        words = variables(now.model.joints)[one.variable][0]
+        direction = " and the direction of motion" if item.directed else ""
+        moved = ", at a place that differs between recordings" if item.own else ""
+        words = variables(now.model.joints)[item.variable][0]
         more = "a further " if found else ""
         text = f"{joint}: {more}{100 * share:.0f} % of the squared error follows the {words}{direction}{moved}"
-        caution = "" if one.unseen > 0.0 else "not so on the verification recordings"
-        split = "direction" if one.directed else "recording" if one.own else ""
-        found[one.variable] = Where(joint, one.variable, share, text, caution, split)
+        caution = "" if item.unseen > 0.0 else "not so on the verification recordings"
+        split = "direction" if item.directed else "recording" if item.own else ""
+        found[item.variable] = Where(joint, item.variable, share, text, caution, split)
         left = after
     return _with_regions(now, joint, found, left)
 

@@ -45,12 +45,12 @@ def possible_beside(
     """Return what is possible where a drive too soft for its encoder explains more than all that was accepted."""
     reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
     given_up = [
-        Possible(one.effect, one.joint, one.agreement, one.parameters, one.fall, reason)
-        for one in accepted
-        if one.fall >= rules.least_share
+        Possible(effect.effect, effect.joint, effect.agreement, effect.parameters, effect.fall, reason)
+        for effect in accepted
+        if effect.fall >= rules.least_share
     ]
-    names = {one.name for one in accepted}
-    both = [*given_up, *(one for one in possible if one.name not in names)]
+    names = {item.name for item in accepted}
+    both = [*given_up, *(entry for entry in possible if entry.name not in names)]
     return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 
 
@@ -58,7 +58,7 @@ def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> 
     """Return what is possible, with the sway in the place of one of the same size in all recordings."""
     reason = f"the base oscillates {sway.words}: no model of the motion alone can predict that"
     found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
-    both = [found, *(one for one in possible if one.effect != SWAY)]
+    both = [found, *(item for item in possible if item.effect != SWAY)]
     return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 
 
@@ -66,8 +66,8 @@ def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel) -
     """Return an answer beside what belongs to recordings; `given` is the model without it."""
     first, *rest = answer.steps
     step = Step("base", given.train_rms, given.verify_rms)
-    names = " + ".join(dict.fromkeys(one.what for one in told))
-    sentences = " ".join(f"{one.sentence}." for one in told)
+    names = " + ".join(dict.fromkeys(entry.what for entry in told))
+    sentences = " ".join(f"{item.sentence}." for item in told)
     return replace(
         answer,
         sentence=f"{sentences} Beside that: {answer.sentence}",
@@ -91,7 +91,7 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
     for before, extension in pairwise(extensions):
         score = extension.added
         assert score is not None
-        term = next(one for one in last.fitted.model.terms if one.name == score.name)
+        term = next(item for item in last.fitted.model.terms if item.name == score.name)
         numbers = estimates_in(last.fitted.fit, term.name)
         accepted.append(
             Accepted(
@@ -127,7 +127,7 @@ def write_up(
     prepared, last = done.prepared, extensions[-1]
     first = () if conclusion.verdict == "check_channels" else done.found.first
     first = tuple(score for score in first if not is_reading(score.name))
-    steps = steps_of(extensions, [one.sentence for one in accepted])
+    steps = steps_of(extensions, [effect.sentence for effect in accepted])
     named = {a.name: a for a in accepted}
     silent = conclusion.verdict == "check_channels" or conclusion.outside  # what is compared is not the machine's
     told = conclusion.outside or any(map(is_reading, done.found.state.names))  # the answer says more than the audit can
@@ -174,8 +174,8 @@ def write_up(
 
 def _reserve(prepared: Prepared) -> str:
     """Return with which reserve an answer is given where angles or torques were filtered before they were stored."""
-    told = [one for one in prepared.findings if one.check in (FILTERED, ANGLES, TORQUES)]
-    return "".join(f"With one reserve: {one.what}; if they were filtered, {one.consequence}." for one in told[:1])
+    told = [finding for finding in prepared.findings if finding.check in (FILTERED, ANGLES, TORQUES)]
+    return "".join(f"With one reserve: {item.what}; if they were filtered, {item.consequence}." for item in told[:1])
 
 
 def _power(done: Searched) -> tuple[Power, ...]:

@@ -1,1 +1,1 @@
-"""What every package stands on: errors, files, figures, HTML, lazy names, TOML tables. Knows nothing of legs."""
+"""Foundation of every package: errors, files, figures, HTML, lazy names, TOML tables. Knows nothing of legs."""

@@ -62,7 +62,7 @@ def write_trusted(path: Path, content: str) -> None:
 
 
 def distrust(path: Path) -> str:
-    """Return why a file or folder of the cache is not to be trusted, "" where it is."""
+    """Reason why a file or folder of the cache is not to be trusted, "" where it is."""
     status = path.lstat()
     if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
         return f"{path} is neither a file nor a folder"
@@ -74,7 +74,7 @@ def distrust(path: Path) -> str:
 
 
 def _distrusted(folder: Path) -> str:
-    """Return why the folder is not to be trusted, "" where it is; OSError where it cannot be made or written to."""
+    """Reason why the folder is not to be trusted, "" where it is; OSError where it cannot be made or written to."""
     for part in reversed((folder, *folder.parents)):  # whatever the umask says of what is made above it
         part.mkdir(exist_ok=True, mode=0o700)
     real = folder.resolve(strict=True)
@@ -83,7 +83,7 @@ def _distrusted(folder: Path) -> str:
 
 
 def _exchangeable(folder: Path) -> str:
-    """Return why others could put another folder in the place of one below `folder`, "" where they cannot."""
+    """Reason why others could put another folder in the place of one below `folder`, "" where they cannot."""
     if not hasattr(os, "getuid"):
         return ""
     status = folder.stat()
@@ -95,7 +95,7 @@ def _exchangeable(folder: Path) -> str:
 
 
 def _of_one(group: int) -> bool:
-    """Whether the group is the user's own, with nobody else in it."""
+    """True if the group is the user's own, with nobody else in it."""
     if sys.platform == "win32":
         return True
     try:

@@ -53,7 +53,7 @@ class Staged:
 
 @dataclass(eq=False)
 class Delivery:
-    """What one command has read and is going to write.
+    """Files that one command has read and is going to write.
 
     `found` is what was at a place when it was first looked at: what somebody else writes there meanwhile is not
     replaced, unless `force` says so. `results` are the folders that it fills, in which no link is followed but at the
@@ -116,7 +116,7 @@ class Delivery:
         return Path(path)
 
     def place(self, path: str | Path, inside: Path | None = None) -> Path:
-        """Return where `path` really is; OSError where it is a file that was read, or must not be written."""
+        """Place where `path` really is; OSError where it is a file that was read, or must not be written."""
         if inside is not None:
             refuse_links(path, inside)
         target, status = _resolved(path)
@@ -136,7 +136,7 @@ class Delivery:
         self.folders += reversed(missing)
 
     def now(self, path: Path) -> Path:
-        """Return where the content of `path` is at this moment."""
+        """Place of the content of `path` at this moment."""
         staged = self.staged.get(_resolved(path)[0])
         return path if staged is None else staged.temporary
 
@@ -146,22 +146,22 @@ class Delivery:
         done: list[tuple[Staged, Path | None, bool]] = []
         with _undisturbed():
             try:
-                for one in self.staged.values():
-                    self._check(one)
+                for stage in self.staged.values():
+                    self._check(stage)
                 for place, content in self.direct:
                     _write_into(place, content)
-                for one in self.staged.values():
-                    kept = _kept(one.target) if several else None
-                    done.append((one, kept, False))
-                    _put(one, force=self.force)
-                    done[-1] = one, kept, True
+                for item in self.staged.values():
+                    kept = _kept(item.target) if several else None
+                    done.append((item, kept, False))
+                    _put(item, force=self.force)
+                    done[-1] = item, kept, True
             except BaseException:
-                for one, kept, there in reversed(done):
+                for entry, kept, there in reversed(done):
                     with contextlib.suppress(OSError):
                         if kept is not None:
-                            os.replace(kept, one.target)
+                            os.replace(kept, entry.target)
                         elif there and several:
-                            one.target.unlink(missing_ok=True)
+                            entry.target.unlink(missing_ok=True)
                 raise
             for _, kept, _ in done:
                 if kept is not None:
@@ -185,8 +185,8 @@ class Delivery:
                     folder.rmdir()
 
     def _clear(self) -> None:
-        for one in self.staged.values():
-            one.temporary.unlink(missing_ok=True)
+        for stage in self.staged.values():
+            stage.temporary.unlink(missing_ok=True)
         self.staged.clear()
         self.direct.clear()
 
@@ -215,7 +215,7 @@ def current() -> Delivery | None:
 
 
 def where(path: str | Path) -> Path:
-    """Return where the content of `path` is now: beside it, as long as the delivery that makes it is open."""
+    """Place of the content of `path` at this moment: beside it, as long as the delivery that makes it is open."""
     delivery = _OPEN.get()
     return Path(path) if delivery is None else delivery.now(Path(path))
 
@@ -258,7 +258,7 @@ def _resolved(path: str | Path) -> tuple[Path, os.stat_result | None]:
 
 
 def _is_stream(path: str | Path) -> bool:
-    """Whether the path names an open stream of a process, such as /dev/stdout or /dev/fd/3, wherever that leads."""
+    """True if the path names an open stream of a process, such as /dev/stdout or /dev/fd/3, wherever that leads."""
     text = str(path)
     if os.path.islink(text):
         text = os.path.join(os.path.dirname(text), os.readlink(text))
@@ -266,7 +266,7 @@ def _is_stream(path: str | Path) -> bool:
 
 
 def _replaceable(target: Path) -> bool:
-    """Whether a file can be put in place here; a device or a pipe is written into instead."""
+    """True if a file can be put in place here; a device or a pipe is written into instead."""
     return not os.path.exists(target) or (os.path.isfile(target) and not _is_stream(target))
 
 
@@ -335,7 +335,7 @@ def _kept(target: Path) -> Path | None:
 
 def sweep(folder: Path, *patterns: str, age: float = ABANDONED) -> None:
     """Remove what processes that were killed left behind in `folder` more than `age` s ago: files and folders."""
-    for left in (one for pattern in patterns for one in folder.glob(pattern)):
+    for left in (path for pattern in patterns for path in folder.glob(pattern)):
         with contextlib.suppress(OSError):
             if time.time() - left.lstat().st_mtime > age:
                 shutil.rmtree(left) if left.is_dir() else left.unlink()

@@ -103,6 +103,6 @@ def error_json(error: ExoidError) -> dict[str, str]:
 
 
 def internal(error: Exception) -> ExoidError:
-    """What a page says of a mistake of exoid's own; whoever started it sees the traceback in the terminal."""
+    """Answer of a page to a mistake of exoid's own; whoever started it sees the traceback in the terminal."""
     what = f"internal error in exoid ({type(error).__name__})"
     return ExoidError(what, remedy="please report what the terminal says")

@@ -1,4 +1,4 @@
-"""What is installed on request only: which extra brings a package that is missing."""
+"""Packages that are installed on request only, and the extra that brings each."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Pandas(Protocol):
-    """What is used of the module."""
+    """Part of the module that is used."""
 
     @property
     def DataFrame(self) -> type[pd.DataFrame]: ...  # noqa: D102

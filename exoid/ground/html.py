@@ -1,4 +1,4 @@
-"""How results show themselves in a notebook: small tables and lines of HTML, everything escaped.
+"""Results as a notebook shows them: small tables and lines of HTML, everything escaped.
 
 No colour of text or ground of its own, so that light and dark notebooks both look right; pictures bring their own
 ground.
@@ -63,7 +63,7 @@ def code(text: str) -> str:
 
 
 def fold(title: str, content: str) -> str:
-    """Return what is shown when its `title` is clicked; nothing where there is nothing to show."""
+    """HTML that is shown when its `title` is clicked; nothing where there is nothing to show."""
     return f"<details><summary>{html.escape(title)}</summary>{content}</details>" if content else ""
 
 

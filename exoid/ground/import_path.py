@@ -1,4 +1,4 @@
-"""Where modules are imported from: never the current folder, in which recordings of somebody else may lie.
+"""Places that modules are imported from: never the current folder, in which recordings of somebody else may lie.
 
 Python puts that folder first on the path of whatever is started with -m or -c, workers among them, and an empty or
 relative entry of PYTHONPATH means it too. A `socket.py` beside the recordings would then be run.
@@ -25,7 +25,7 @@ def leave_out_current_folder() -> None:
     given = os.environ.get(PATH, "").split(os.pathsep)
     kept = [entry for entry in given if not _is_here(entry)]
     if kept != given:
-        here = {os.path.abspath(entry) for entry in given if _is_here(entry)} - {os.path.abspath(one) for one in kept}
+        here = {os.path.abspath(entry) for entry in given if _is_here(entry)} - {os.path.abspath(item) for item in kept}
         sys.path[:] = [entry for entry in sys.path if entry not in here or entry == HOME]
         os.environ[PATH] = os.pathsep.join(kept)
         if not kept:
@@ -34,7 +34,7 @@ def leave_out_current_folder() -> None:
 
 
 def environment_of_workers() -> dict[str, str]:
-    """Return what a process that is to import what this one does needs in its environment."""
+    """Environment of a process that is to import what this one does."""
     path = [entry for entry in sys.path if entry]
     return {SAFE: "1", PATH: os.pathsep.join(path if HOME in path else [*path, HOME])}
 
@@ -56,5 +56,5 @@ def workers_import_alike(**more: str) -> Iterator[None]:
 
 
 def _is_here(entry: str) -> bool:
-    """Whether an entry of PYTHONPATH means the current folder, whichever that is."""
+    """True if an entry of PYTHONPATH means the current folder, whichever that is."""
     return os.path.normpath(entry or os.curdir) == os.curdir

@@ -13,7 +13,7 @@ from pathlib import Path
 
 
 def is_inside(path: str | Path, folder: str | Path) -> bool:
-    """Whether `path`, as it is written, lies below `folder`."""
+    """True if `path`, as it is written, lies below `folder`."""
     return Path(os.path.abspath(folder)) in Path(os.path.abspath(path)).parents
 
 

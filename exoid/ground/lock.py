@@ -50,7 +50,7 @@ class FolderLock:
 
     @property
     def known(self) -> bool:
-        """Whether the system knows locks, so that who has one is the only one."""
+        """True if the system knows locks, so that who has one is the only one."""
         return self._known
 
     def release(self) -> None:

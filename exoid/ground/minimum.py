@@ -17,7 +17,7 @@ MOST_EVALUATIONS = 500
 
 
 def minimum(function: Callable[[float], float], low: float, high: float, tolerance: float) -> tuple[float, float]:
-    """Return where between `low` and `high` a valley of `function` is lowest, to within `tolerance`, and how low."""
+    """Lowest point of a valley of `function` between `low` and `high`, to within `tolerance`, and its value."""
     best = second = third = low + GOLDEN * (high - low)
     value = value2 = value3 = function(best)
     step = before = 0.0

@@ -25,7 +25,7 @@ OTHERS = "the {} there was not written by exoid, and would be lost"
 
 
 def says_so(path: Path) -> bool:
-    """Whether a file says at its beginning that exoid wrote it."""
+    """True if a file says at its beginning that exoid wrote it."""
     try:
         with path.open("rb") as stream:
             return SIGNS.search(stream.read(HEAD)) is not None
@@ -34,14 +34,14 @@ def says_so(path: Path) -> bool:
 
 
 def is_folder_of_ours(folder: Path) -> bool:
-    """Whether a file in `folder` says that exoid wrote it; a model file says nothing, it lies anywhere."""
+    """True if a file in `folder` says that exoid wrote it; a model file says nothing, it lies anywhere."""
     try:
-        files = [one for one in folder.iterdir() if one.suffix not in WRITTEN_BY_HAND and one.is_file()]
+        files = [path for path in folder.iterdir() if path.suffix not in WRITTEN_BY_HAND and path.is_file()]
     except OSError:
         return False
     return any(map(says_so, files))
 
 
 def is_ours(path: Path, ours: bool) -> bool:
-    """Whether exoid wrote the file at `path`; `ours` says whether its folder is one of exoid's."""
+    """True if exoid wrote the file at `path`; `ours` says whether its folder is one of exoid's."""
     return says_so(path) or (ours and path.suffix not in WRITTEN_BY_HAND)

@@ -50,7 +50,7 @@ def plain_dict(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def by_name(several: Iterable[Named]) -> dict[str, Named]:
     """Return {name: one of them}."""
-    return {one.name: one for one in several}
+    return {item.name: item for item in several}
 
 
 class AsJson:

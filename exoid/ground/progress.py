@@ -1,4 +1,4 @@
-"""How far long work has come: the share that is done, and what is being done, for whoever wants to know."""
+"""Progress of long work: the share that is done, and what is being done, for whoever wants to know."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ class SettingError(ExoidError, TypeError):
 
 @dataclass(frozen=True)
 class Setting:
-    """What a setting means, in `unit`, and what it may be: from `low` to `high`, or one of `choices`."""
+    """Meaning of a setting, its `unit`, and its allowed values: from `low` to `high`, or one of `choices`."""
 
     meaning: str
     low: float = -math.inf
@@ -32,7 +32,7 @@ class Setting:
     choices: Sequence[str] = ()
 
     def objection(self, name: str, value: Any) -> tuple[str, str] | None:
-        """Return what is wrong with a value, and what to give; None where it is allowed or not given."""
+        """Objection to a value, and the remedy; None where it is allowed or not given."""
         if value is None:
             return None
         if self.choices:
@@ -56,7 +56,7 @@ def setting(
 
 @dataclass(frozen=True, kw_only=True)
 class VerbSettings:
-    """What a verb may be told beside its subject; a value that a setting cannot have is a `refusal`."""
+    """Settings of a verb beside its subject; a value that a setting cannot have is a `refusal`."""
 
     refusal: ClassVar[type[ExoidError]] = SettingError
 

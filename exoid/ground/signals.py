@@ -16,7 +16,7 @@ def handled(handler: Callable[[int, object], None], *names: str) -> Iterator[Non
     numbers = [number for name in names if (number := getattr(signal, name, None)) is not None]
     if threading.current_thread() is not threading.main_thread():
         numbers = []
-    before = {one: signal.signal(one, handler) for one in numbers if signal.getsignal(one) is not signal.SIG_IGN}
+    before = {item: signal.signal(item, handler) for item in numbers if signal.getsignal(item) is not signal.SIG_IGN}
     try:
         yield
     finally:

@@ -1,4 +1,4 @@
-"""What a person probably meant."""
+"""Names that a person probably meant."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ def nearest(word: str, known: Iterable[str], most: int = 3, cutoff: float = 0.6)
     import difflib
 
     names = sorted(set(known))
-    alike = (difflib.get_close_matches(one, names, most, cutoff) for one in (word, word.lower()))
+    alike = (difflib.get_close_matches(item, names, most, cutoff) for item in (word, word.lower()))
     close = next(filter(None, alike), [])
     close += [name for name in names if word and name.startswith(word.lower()) and name not in close]
     return close[:most]

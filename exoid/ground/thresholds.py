@@ -33,7 +33,7 @@ def threshold(module: str, name: str, value: float, prevents: str) -> float:
 def thresholds_in(place: ModuleType, group: str) -> Iterator[Rule]:
     """The thresholds that a module, or the modules of a package, declare, as those of the question `group`."""
     below = pkgutil.walk_packages(getattr(place, "__path__", ()), f"{place.__name__}.")
-    for path in [place.__name__, *sorted(one.name for one in below)]:
+    for path in [place.__name__, *sorted(item.name for item in below)]:
         importlib.import_module(path)
         for rule in _DECLARED.get(path, {}).values():
             yield Rule(group, rule.name, rule.value, rule.prevents)
@@ -42,5 +42,5 @@ def thresholds_in(place: ModuleType, group: str) -> Iterator[Rule]:
 def home_of(rule: Rule) -> tuple[str, str]:
     """Module and name of the variable that holds a threshold."""
     return next(
-        (module, name) for module, own in _DECLARED.items() for name, one in own.items() if one.name == rule.name
+        (module, name) for module, own in _DECLARED.items() for name, item in own.items() if item.name == rule.name
     )

@@ -1,4 +1,4 @@
-"""Which of several is the best, so that every processor says the same: what differs by rounding alone is a tie.
+"""The best of several, the same on every processor: what differs by rounding alone is a tie.
 
 Sums of the same numbers differ in their last digits with the processor, the number of threads and the version of a
 library. Where two of several things are the same physics (a torque negated, or an angle), or differ in nothing that was
@@ -24,7 +24,7 @@ CONVERGED = 1e-6
 
 
 def tied(values: ArrayLike, scale: float = 0.0, within: float = TIED, axis: int = -1) -> NDArray[np.bool_]:
-    """Return which of `values` are as small as the least along `axis`; NaN is larger than any number.
+    """Mask of the `values` that are as small as the least along `axis`; NaN is larger than any number.
 
     `scale` is the size below which values are rounding: 1.0 for shares of a whole, 0.0 where it is their own.
     """
@@ -48,13 +48,13 @@ def index_of_greatest(values: ArrayLike, scale: float = 0.0, within: float = TIE
 def least_of(items: Iterable[T], value: Callable[[T], Any], scale: float = 0.0, within: float = TIED) -> T:
     """Return the first of `items` whose `value` is as small as the least; ValueError where there are none."""
     every = list(items)
-    return every[index_of_least([value(one) for one in every], scale, within)]
+    return every[index_of_least([value(item) for item in every], scale, within)]
 
 
 def ascending(items: Iterable[T], value: Callable[[T], Any], scale: float = 0.0, within: float = TIED) -> list[T]:
     """Return `items` by their `value`, least first; those that tie in the order in which they were given."""
     every = list(items)
-    return [every[k] for k in order_of([value(one) for one in every], scale, within)]
+    return [every[k] for k in order_of([value(item) for item in every], scale, within)]
 
 
 def order_of(values: ArrayLike, scale: float = 0.0, within: float = TIED) -> list[int]:

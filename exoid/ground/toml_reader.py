@@ -101,7 +101,7 @@ class Table:
         return self.number(key) if key in self.values else None
 
     def flag(self, key: str) -> bool:
-        """Return whether `key` is true; a key that is left out is not."""
+        """True if `key` is true; a key that is left out is not."""
         value = self.values.get(key, False)
         if not isinstance(value, bool):
             raise self.error(key, f"{key} is {_kind(value)}, neither true nor false", "write true or false")

@@ -1,4 +1,4 @@
-"""Which exoid this is."""
+"""Version of this exoid."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ class Finding(AsJson):
 
     @property
     def repaired(self) -> bool:
-        """Whether it was mended."""
+        """True if it was mended."""
         return self.severity == "repaired"
 
     def __post_init__(self) -> None:

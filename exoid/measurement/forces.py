@@ -50,19 +50,19 @@ def pushed_model(model: Model, recordings: Sequence[Recording]) -> Model:
     """
     if model.forces or not recordings:
         return model
-    shared = set.intersection(*({*one.forces} for one in recordings))
+    shared = set.intersection(*({*recording.forces} for recording in recordings))
     alive = [name for name in recordings[0].forces if name in shared and not _dead(name, recordings)]
     return model.with_forces(*usual_forces(alive, model.joints)) if alive else model
 
 
 def unused_forces(model: Model, recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return what there is to say of columns of forces that `recordings` have and `model` does not use."""
-    every = dict.fromkeys(name for one in recordings for name in one.forces)
+    every = dict.fromkeys(name for recording in recordings for name in recording.forces)
     said = []
     for name in every:
         if name in model.channels:
             continue
-        without = [one.name for one in recordings if name not in one.forces]
+        without = [item.name for item in recordings if name not in item.forces]
         if without:
             why, remedy = f"{_listed(without)} has none", "record it in all, or leave the recordings without it out"
         elif _dead(name, recordings):
@@ -75,7 +75,7 @@ def unused_forces(model: Model, recordings: Sequence[Recording]) -> tuple[Findin
 
 
 def _dead(name: str, recordings: Sequence[Recording]) -> bool:
-    return not any(np.ptp(one.forces[name][one.valid]) > 0.0 for one in recordings)
+    return not any(np.ptp(recording.forces[name][recording.valid]) > 0.0 for recording in recordings)
 
 
 PUSHED = "what it measures counts as error of the model"

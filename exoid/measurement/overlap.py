@@ -102,9 +102,9 @@ def overlap(first: Recording, second: Recording, known: dict[Recording, _Even] |
 def _shared_rows(first: Recording, second: Recording, known: dict[Recording, _Even]) -> Mask:
     """Return which samples (N,) of `second` are in `first`: as they stand, every n-th of the faster, or resampled."""
     slow, quick = sorted((first.rate, second.rate))
-    for one in (first, second):
-        if one not in known:
-            known[one] = _even(one)
+    for item in (first, second):
+        if item not in known:
+            known[item] = _even(item)
     a, b = known[first], known[second]
     rows = _match(a, b, SAME)[1]
     if rows.any():
@@ -174,8 +174,8 @@ def held_apart(
     """
     known: dict[Recording, _Even] = {}
     for held in unseen:
-        for one in fitted:
-            found = overlap(one, held, known)
+        for item in fitted:
+            found = overlap(item, held, known)
             if found is not None:
                 raise RecordingError(
                     f"this recording is held out, but shares samples with a fitted one: {found.sentence}",
@@ -296,7 +296,7 @@ def _agreeing(short: _Even, long: _Even, shift: int, channels: Sequence[int], sa
 
 
 def _is_tone(fast: Float) -> bool:
-    """Whether a fast part (N,) repeats itself: a grid of angles crossed at one speed sounds alike in any recording."""
+    """True if a fast part (N,) repeats itself: a grid of angles crossed at one speed sounds alike in any recording."""
     lags = np.fft.irfft(np.abs(np.fft.rfft(fast, 2 * fast.size)) ** 2)[: fast.size // 2 + 1]
     overlapping = 1.0 - np.arange(lags.size) / fast.size
     return bool(np.max(np.abs(lags[TONE_LAG:] / overlapping[TONE_LAG:]), initial=0.0) > TONE * lags[0])
@@ -311,7 +311,7 @@ def likeness(a: Float, b: Float) -> float:
     count = len(a) // BLOCK
     if not count:
         return 0.0
-    x, y = (one[: count * BLOCK].reshape(count, BLOCK) for one in (a, b))
+    x, y = (item[: count * BLOCK].reshape(count, BLOCK) for item in (a, b))
     power = np.sqrt(np.sum(x**2, axis=1) * np.sum(y**2, axis=1))
     each = np.sum(x * y, axis=1) / np.where(power > 0.0, power, 1.0)
     return abs(float(np.median(each)))

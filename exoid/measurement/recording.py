@@ -132,7 +132,7 @@ class Recording:
             object.__setattr__(self, name, self._cells(name, getattr(self, name)))
 
     def _cells(self, name: str, given: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
-        """Return which values (N, J) of a channel are valid: never those of a row that is not."""
+        """Values (N, J) of a channel that are valid: never those of a row that is not."""
         shape = (len(self), len(self.joints))
         rows = np.broadcast_to(self.valid[:, None], shape)
         if given is None:
@@ -202,7 +202,7 @@ class Recording:
             return self
         unnamed = all(joint.name == f"{UNNAMED}{k}" for k, joint in enumerate(self.joints, start=1))
         if unnamed and len(self.joints) == len(joints):
-            called = {one.name: other.name for one, other in zip(self.joints, joints, strict=True)}
+            called = {item.name: other.name for item, other in zip(self.joints, joints, strict=True)}
             kept = ("-".join(called.get(part, part) for part in one.split("-")) for one in self.conventions)
             return replace(self, joints=joints, conventions=tuple(kept))
         mine, wanted = ", ".join(self.joint_names), ", ".join(names(joints))

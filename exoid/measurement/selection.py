@@ -67,9 +67,9 @@ def selected(recording: Recording, table: RawTable, only: str) -> Recording:
     if not only:
         return swings(recording)
     kept = np.ones(len(recording), dtype=bool)
-    for one in conditions(only):
-        values = _column(recording, table, one.column)
-        kept &= np.isfinite(values) & WAYS[one.way](values, one.value)
+    for condition in conditions(only):
+        values = _column(recording, table, condition.column)
+        kept &= np.isfinite(values) & WAYS[condition.way](values, condition.value)
     if (left := int((kept & recording.complete).sum())) < LEAST_ROWS:
         what = f"only {left} usable rows are left for which {only}: too few to identify anything"
         raise RecordingError(what, where=recording.source.path or recording.name, remedy="ask for other rows")

@@ -1,4 +1,4 @@
-"""When a foot is on the ground: by a switch, a load under it, or the measured force of the ground."""
+"""Times at which a foot is on the ground: by a switch, a load under it, or the measured force of the ground."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def load_level(load: Float) -> tuple[float, float, float]:
 
 
 def stances_of(recording: Recording) -> Float:
-    """Return when (S, 2) in s the foot came down and left the ground again, whole stances only; none where nothing says
+    """Times (S, 2) in s at which the foot came down and left the ground, whole stances only; none where nothing says
     so.
     """
     load = recording.contact if recording.contact is not None else recording.forces.get(UPWARDS)

@@ -1,4 +1,4 @@
-"""How numbers are found: fitness, optimisers, reference optimum with certificate, identification.
+"""Estimation of numbers: fitness, optimisers, reference optimum with certificate, identification.
 
 In a notebook: `from exoid.optimisation import identify, prepare`; `fit = identify(leg, prepare(leg, [run]).train)`.
 """

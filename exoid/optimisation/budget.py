@@ -1,4 +1,4 @@
-"""How much an optimiser may evaluate unless told otherwise."""
+"""Default number of evaluations of an optimiser."""
 
 INDIVIDUALS, GENERATIONS = 40, 400
 """The paper's population and number of generations."""

@@ -37,18 +37,18 @@ if TYPE_CHECKING:
 
 
 class Box(NamedTuple):
-    """Where candidates may lie: `low` and `high` (n,)."""
+    """Box in which candidates lie: `low` and `high` (n,)."""
 
     low: Float
     high: Float
 
 
 class Optimiser(Protocol):
-    """What a file in `optimisers/` provides. `boundary` names the rule for candidates outside the box."""
+    """Contract of a file in `optimisers/`. `boundary` names the rule for candidates outside the box."""
 
     @property
     def invariances(self) -> frozenset[str]:
-        """What does not change a run: of "shift", "scale", "axes", "monotone"."""
+        """Transformations that do not change a run: of "shift", "scale", "axes", "monotone"."""
 
     @property
     def boundary(self) -> str:

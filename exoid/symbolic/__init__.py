@@ -1,4 +1,4 @@
-"""What the leg is: mechanism, effects, model, and the code generated from them.
+"""The machine: mechanism, effects, model, and the code generated from them.
 
 In a notebook: `from exoid.symbolic import Model`; `leg = Model.standard().with_effect("stribeck", joint="knee")`.
 """

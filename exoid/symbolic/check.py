@@ -127,14 +127,14 @@ def _newton_euler(model: ModelStructure, motion: Motion, links: dict[str, Float]
             )
         ])
     wanted = np.zeros((len(motion), len(model.joints)))
-    for k, one in enumerate(link_torques(model.chain, model.gravity, q, dq, ddq, np, swaying)):
-        for kind, rows in one.items():
+    for k, torque in enumerate(link_torques(model.chain, model.gravity, q, dq, ddq, np, swaying)):
+        for kind, rows in torque.items():
             wanted += links[kind][k] * np.column_stack([row + still for row in rows])
     return wanted
 
 
 def _force_checks(model: ModelStructure) -> tuple[Check, ...]:
-    """Return whether Newton and Euler ask the drives for the same as the virtual work of every measured force does."""
+    """True if Newton and Euler ask the drives for the same as the virtual work of every measured force does."""
     if not model.forces:
         return ()
     rng, joints, count = np.random.default_rng(SEED), placed_joints(model), len(model.joints)
@@ -247,7 +247,7 @@ def paper_coriolis(mechanism: Mechanism) -> Matrix:
 
 
 def paper_checks() -> list[Check]:
-    """Return what holds, and what does not, of the equations as the paper prints them."""
+    """Checks of the equations as the paper prints them."""
     from sympy import Matrix
 
     plain = leg()
@@ -274,7 +274,7 @@ def paper_checks() -> list[Check]:
 
 
 def agreement(model: ModelStructure) -> Check:
-    """Return whether compiled C and CasADi's virtual machine give the same regressor and torque."""
+    """True if compiled C and CasADi's virtual machine give the same regressor and torque."""
     rng = np.random.default_rng(SEED)
     motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, len(model.joints))) for _ in range(3)))
     motion = replace(motion, force=rng.normal(size=(STATES, len(model.channels))))
@@ -284,7 +284,7 @@ def agreement(model: ModelStructure) -> Check:
         return Check(
             "C and virtual machine agree", True, "tried", "no compiler here: there is only the virtual machine"
         )
-    pairs = [(one.columns(motion, None, linear), one.inverse_dynamics(motion, linear)) for one in (fast, slow)]
+    pairs = [(item.columns(motion, None, linear), item.inverse_dynamics(motion, linear)) for item in (fast, slow)]
     worst = max(float(np.max(np.abs(a - b)) / np.max(np.abs(b))) for a, b in zip(*pairs, strict=True))
     return Check("C and virtual machine agree", worst <= AGREEMENT, "tried", f"to {worst:.1e} of the largest value")
 

@@ -195,12 +195,12 @@ def moving_torque(
 
 
 def needs_reference(model: ModelStructure) -> bool:
-    """Whether some column depends on the linear parameters themselves."""
+    """True if some column depends on the linear parameters themselves."""
     return any(uses_feedback(term) for term in model.terms) or _mechanism_follows(model)
 
 
 def _mechanism_follows(model: ModelStructure) -> bool:
-    """Whether columns of the mechanism itself depend on the linear parameters."""
+    """True if columns of the mechanism itself depend on the linear parameters."""
     return bool(model.derived) and compiled(rigid_model(model)).needs_reference
 
 

@@ -114,7 +114,7 @@ class Effect:
     def __post_init__(self) -> None:
         if isinstance(self.joints, str):
             object.__setattr__(self, "joints", (self.joints,))
-        units = {key: Coefficient(one) if isinstance(one, str) else one for key, one in self.coefficients.items()}
+        units = {key: Coefficient(item) if isinstance(item, str) else item for key, item in self.coefficients.items()}
         object.__setattr__(self, "coefficients", units)
         if [self.torque, self.derive, self.deflection] == [None] * 3:
             place = "" if self.joints in (("hip", "knee"), ("both",)) else f":{self.joints[0]}"
@@ -141,7 +141,7 @@ class Effect:
 
     @property
     def made_by(self) -> str:
-        """How the torque of an effect without a text comes about, in words."""
+        """Origin of the torque of an effect without a text, in words."""
         if self.deflection is None:
             return "derived by Lagrange from the changed leg"
         angle = " + ".join(f"{key} · {text}" for key, text in self.deflection.items())
@@ -156,5 +156,5 @@ class Effect:
 
     @property
     def on_both(self) -> bool:
-        """Whether the effect acts on both joints at once."""
+        """True if the effect acts on both joints at once."""
         return self.joints == ("both",)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def column_count(model: ModelStructure) -> int:
-    """Return how many columns `whole_columns` has: one per parameter, and one more where forces are measured."""
+    """Number of columns of `whole_columns`: one per parameter, and one more where forces are measured."""
     return len(model.parameters) + bool(model.forces)
 
 

@@ -96,7 +96,7 @@ class Force:
 
     @property
     def in_space(self) -> bool:
-        """Whether it is a force or a wrench in space."""
+        """True if it is a force or a wrench in space."""
         return self.frame in (LINK, FIXED)
 
     @property
@@ -106,11 +106,11 @@ class Force:
 
     @property
     def placed(self) -> Origin:
-        """Where in space its sensor is: its place and its turn in the frame of its link's joint."""
+        """Place of its sensor in space: its place and its turn in the frame of its link's joint."""
         return Origin(self.at if isinstance(self.at, tuple) else (0.0, 0.0, 0.0), self.rpy)
 
     def index(self, joints: Sequence[Joint]) -> int:
-        """Return which link of a machine it acts on; EffectError where that has no such link."""
+        """Index of the link it acts on; EffectError where that has no such link."""
         names = [joint.name for joint in joints]
         link = LEG_LINKS.get(self.link, self.link) if is_leg(joints) else self.link
         if link not in names:
@@ -119,7 +119,7 @@ class Force:
         return names.index(link)
 
     def reaches(self, joints: Sequence[Joint]) -> tuple[bool, bool]:
-        """Return whether it does anything at its link's upper joint, and whether more the farther along the link.
+        """True if it does anything at its link's upper joint, and whether more the farther along the link.
 
         EffectError where it does neither: a force across the way of a machine that only slides.
         """
@@ -171,7 +171,7 @@ class Force:
         return tuple(found)
 
     def known(self, joints: Sequence[Joint]) -> bool:
-        """Whether a part of its torque needs no number."""
+        """True if a part of its torque needs no number."""
         carried, _ = self.reaches(joints)
         return self.gain is not None and (carried or self.at is not None)
 

@@ -1,4 +1,4 @@
-"""What no motion can distinguish: effects whose torque is, at every state, a combination of others.
+"""Effects that no motion can distinguish: those whose torque is, at every state, a combination of others.
 
 At many random states (any angle, velocity, acceleration, sign and instant, independent values of the operators with
 memory) the derivatives of the torque by all numbers are laid side by side. Where one is a combination of others, the
@@ -80,7 +80,7 @@ class Tangents:
 
 
 def structural_look_alikes(model: ModelStructure, candidates: Sequence[Term] | None = None) -> tuple[LookAlike, ...]:
-    """Return which numbers of `model` and of the `candidates` no motion can distinguish.
+    """Numbers of `model` and of the `candidates` that no motion can distinguish.
 
     Default candidates: the whole catalogue at every joint, including joints where an entry says it is absorbed. Each is
     compared with the model; those that survive are compared with each other, two at a time.
@@ -94,8 +94,8 @@ def structural_look_alikes(model: ModelStructure, candidates: Sequence[Term] | N
         found += relations
         if own.names and not any(relations):
             survivors.append((term.name, own))
-    for i, (first, one) in enumerate(survivors):
-        found += [_pair(base, first, one, second, other) for second, other in survivors[i + 1 :]]
+    for i, (first, item) in enumerate(survivors):
+        found += [_pair(base, first, item, second, other) for second, other in survivors[i + 1 :]]
     return tuple(entry for entry in found if entry is not None)
 
 
@@ -108,7 +108,7 @@ def known_look_alikes(model: ModelStructure) -> tuple[LookAlike, ...]:
     found = _read(path)
     if found is None:
         found = structural_look_alikes(model)
-        plain = [asdict(one) for one in found]
+        plain = [asdict(item) for item in found]
         try:
             content = canonical_json({"found": plain, "seal": sha256(canonical_json(plain))})
             write_trusted(path, content)
@@ -138,12 +138,12 @@ def never_separable(names: Sequence[str], model: ModelStructure) -> Mapping[str,
 
 def _imitators(term: Term, found: Sequence[LookAlike]) -> tuple[str, ...]:
     own = {f"{term.name}.{number}" for number in (*term.effect.coefficients, *term.effect.shape)}
-    absorbed = [one for one in found if one.absorbed and one.names[0] in own]
-    names = [n for one in absorbed for n in one.names[1:]] if own and len(absorbed) == len(own) else []
-    for one in found:
-        if not one.absorbed and len(one.names) == 2 and term.name in one.names:
-            inner, outer = one.names
-            if inner == term.name or "is the same as" in one.relation:
+    absorbed = [entry for entry in found if entry.absorbed and entry.names[0] in own]
+    names = [n for element in absorbed for n in element.names[1:]] if own and len(absorbed) == len(own) else []
+    for item in found:
+        if not item.absorbed and len(item.names) == 2 and term.name in item.names:
+            inner, outer = item.names
+            if inner == term.name or "is the same as" in item.relation:
                 names.append(outer if inner == term.name else inner)
     return tuple(dict.fromkeys(n for n in names if n not in own))
 
@@ -160,7 +160,7 @@ def _read(path: Path) -> tuple[LookAlike, ...] | None:
         content = json.loads(read_trusted(path, LARGEST_CACHE))
         if content["seal"] != sha256(canonical_json(content["found"])):
             return None
-        return tuple(LookAlike(tuple(one["names"]), one["relation"], one["absorbed"]) for one in content["found"])
+        return tuple(LookAlike(tuple(item["names"]), item["relation"], item["absorbed"]) for item in content["found"])
     except (OSError, *SPOILT):
         return None
 
@@ -262,7 +262,7 @@ def _relation(base: Tangents, k: int, own: Tangents | None) -> LookAlike | None:
 
 
 def _pair(base: Tangents, first: str, one: Tangents, second: str, other: Tangents) -> LookAlike | None:
-    """Return how two candidates coincide once the model has taken its part of each."""
+    """Relation in which two candidates coincide once the model has taken its part of each."""
     for (outer, big), (inner, small) in (((first, one), (second, other)), ((second, other), (first, one))):
         known = np.column_stack([base.values, big.values])
         if any(_combination(known, column) is None for column in small.values.T):

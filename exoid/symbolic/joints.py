@@ -67,7 +67,7 @@ def _unit(axis: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a joint's frame lies in that of the link that carries it: `xyz` m, and the angles `rpy` rad about the fixed
+    """Place of a joint's frame in that of the link that carries it: `xyz` m, and the angles `rpy` rad about the fixed
     axes x, y, z in this order (URDF's roll, pitch and yaw).
     """
 
@@ -114,12 +114,12 @@ class Joint:
 
     @property
     def turns(self) -> bool:
-        """Whether it is revolute (rad, N·m); a prismatic joint has m and N."""
+        """True if it is revolute (rad, N·m); a prismatic joint has m and N."""
         return self.kind == "revolute"
 
     @property
     def reach(self) -> float:
-        """What of its own unit counts as 1 rad in thresholds written for angles."""
+        """Amount of its own unit that counts as 1 rad in thresholds written for angles."""
         return 1.0 if self.turns else LEVER
 
     def unit(self, quantity: str) -> str:
@@ -146,18 +146,18 @@ def units(joints: Sequence[Joint], quantity: str) -> str:
 
 
 def is_spatial(joints: Sequence[Joint]) -> bool:
-    """Whether these are joints of a spatial machine: one says an axis or an origin."""
+    """True if these are joints of a spatial machine: one says an axis or an origin."""
     return any(joint.axis is not None or joint.origin is not None for joint in joints)
 
 
 def is_leg(joints: Sequence[Joint]) -> bool:
-    """Whether these are hip and knee of a leg, whatever the length of its thigh."""
+    """True if these are hip and knee of a leg, whatever the length of its thigh."""
     turning = all(joint.turns for joint in joints) and not is_spatial(joints)
     return turning and names(joints) == names(LEG) and parents(joints) == (None, 0)
 
 
 def machine_word(joints: Sequence[Joint]) -> str:
-    """Return what a machine of these joints is called in a sentence: "leg" or "machine"."""
+    """Word for a machine of these joints in a sentence: "leg" or "machine"."""
     return "leg" if is_leg(joints) else "machine"
 
 
@@ -207,7 +207,7 @@ def check_joints(joints: Sequence[Joint]) -> None:
 
 
 def motors_of(joints: Sequence[Joint]) -> Rows:
-    """Return how far the motor of each joint turns for each joint's angle (J, J), one to one where nothing is said;
+    """Turns of each joint's motor for each joint's angle (J, J), one to one where nothing is said;
     EffectError where that names other joints, or leaves angles open.
     """
     import numpy as np

@@ -93,7 +93,7 @@ class Model(ModelStructure):
 
     @cached_property
     def needs_reference(self) -> bool:
-        """Whether some column depends on the linear parameters themselves."""
+        """True if some column depends on the linear parameters themselves."""
         return needs_reference(self)
 
     @cached_property

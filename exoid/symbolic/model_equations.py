@@ -37,10 +37,10 @@ def equations(model: ModelStructure) -> Equations:
     for joint, parameter, entry in x.columns:
         entries[joint, parameter] += entry
     whole = {term.name: x.terms[term.name] for term in model.terms if is_transform(term)}
-    fed = [one for memory in x.memories for one in (memory.argument, memory.parameter) if one is not None]
+    fed = [item for memory in x.memories for item in (memory.argument, memory.parameter) if item is not None]
     M, C, G, J, Y, *rest = _read_back(model, x, sizes, [x.M, x.C, x.G, x.J, entries, *whole.values(), *fed])
     added = dict(zip(whole, rest, strict=False))
-    arguments = iter(one[0] for one in rest[len(whole) :])
+    arguments = iter(element[0] for element in rest[len(whole) :])
     memories = {
         real(f"memory{k + 1}"): (
             memory.operator,
@@ -100,7 +100,7 @@ def _read_back(model: ModelStructure, x: Expressions, sizes: Mapping[str, Any], 
         names |= {name: real(name) for name in numbers}
         inputs |= {name: vector[k] for k, name in enumerate(numbers)}
     flat = sympy_from_casadi(wanted, list(inputs.values()), [names[name] for name in inputs])
-    return [Matrix(*one.shape, [expand(entry) for entry in flat[k]]) for k, one in enumerate(wanted)]
+    return [Matrix(*item.shape, [expand(entry) for entry in flat[k]]) for k, item in enumerate(wanted)]
 
 
 def _base(model: ModelStructure) -> dict[str, Expr]:

@@ -352,7 +352,7 @@ def _coupled(joints: tuple[Joint, ...], entries: Sequence[Table]) -> tuple[Joint
 
 
 def _moving_base(top: Table) -> bool:
-    """Return whether the file says that the base moves and recordings say how."""
+    """True if the file says that the base moves and recordings say how."""
     if "base" not in top.values:
         return False
     base = top.table("base")

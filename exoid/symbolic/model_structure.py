@@ -263,7 +263,7 @@ class ModelStructure:
 
     @cached_property
     def spatial(self) -> bool:
-        """Whether its joints move in space: they say axes and origins."""
+        """True if its joints move in space: they say axes and origins."""
         return is_spatial(self.joints)
 
     @property
@@ -322,7 +322,7 @@ class ModelStructure:
 
     @cached_property
     def base_count(self) -> int:
-        """How many parameters the model without terms has: inertial, of friction, and of measured forces."""
+        """Number of parameters of the model without terms: inertial, of friction, and of measured forces."""
         return int(self.friction.stop + sum(len(force.parameters(self.joints)) for force in self.forces))
 
     @cached_property
@@ -375,7 +375,7 @@ class ModelStructure:
         return lines(f"{machine}, {size}", strong=self.name) + rows
 
     def __repr__(self) -> str:
-        terms = "".join(f" + {one}" for one in [*(f.name for f in self.forces), *(t.name for t in self.terms)])
+        terms = "".join(f" + {item}" for item in [*(f.name for f in self.forces), *(t.name for t in self.terms)])
         machine = f"{', '.join(self.joint_names)}" if self.chain else "leg"
         machine += "" if self.wearer is None else f" worn by {self.wearer}"
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
@@ -384,12 +384,12 @@ class ModelStructure:
 def joints_of(given: Any) -> tuple[Joint, ...]:
     """Return `given` joints, those that are only named among them as ones that turn; none are the leg's."""
     several = tuple(given or LEG) if isinstance(given, (list, tuple)) else (given,)
-    wrong = next((one for one in several if not isinstance(one, (str, Joint))), None)
+    wrong = next((item for item in several if not isinstance(item, (str, Joint))), None)
     if wrong is not None:
         raise EffectError(f"a {type(wrong).__name__} is no joint", remedy='name it, "hip", or give a Joint("hip")')
     if several in (names(LEG), LEG):
         return LEG
-    return tuple(one if isinstance(one, Joint) else Joint(one) for one in several)
+    return tuple(entry if isinstance(entry, Joint) else Joint(entry) for entry in several)
 
 
 def require_still_base(model: ModelStructure, what: str) -> None:

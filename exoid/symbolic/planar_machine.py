@@ -68,23 +68,23 @@ def planar_machine(
                 where=where,
                 remedy=SPATIAL,
             )
-        level = all(one.kind == "prismatic" and abs(float(one.axis[2])) < PARALLEL for one in joints)
+        level = all(element.kind == "prismatic" and abs(float(element.axis[2])) < PARALLEL for element in joints)
         gravity = GRAVITY if upright and not level else 0.0
     directions = _directions(joints, parents, normal, gravity, where)
     made, notes = [], []
-    for k, one in enumerate(joints):
-        below = [joints[j].place - one.place for j, parent in enumerate(parents) if parent == k]
+    for k, item in enumerate(joints):
+        below = [joints[j].place - item.place for j, parent in enumerate(parents) if parent == k]
         lengths = [float(np.linalg.norm(step - step @ normal * normal)) for step in below]
         made.append(
             Joint(
-                plain_name(one.name),
-                "prismatic" if one.kind == "prismatic" else "revolute",
+                plain_name(item.name),
+                "prismatic" if item.kind == "prismatic" else "revolute",
                 lengths[0] if lengths else None,
                 carrier_name(k, parents[k], chosen),
             )
         )
-        if made[-1].name != one.name:
-            notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
+        if made[-1].name != item.name:
+            notes.append(f"joint {item.name!r} is called {made[-1].name} in the model")
     limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
     model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     for k, name in enumerate(_off_axis(robot, joints, directions, normal)):
@@ -92,7 +92,7 @@ def planar_machine(
             model = model.with_effect(f"com_offset:{made[k].name}")
             term = model.terms[-1].name
             notes.append(f"the mass of link {made[k].name} lies beside its axis: {term} is in the model")
-    notes += [f"{one} {MEASURED}" for one in held_still(robot, joints)]
+    notes += [f"{entry} {MEASURED}" for entry in held_still(robot, joints)]
     return PlanarMachine(model, tuple(chosen), tuple(notes), normal, tuple(directions))
 
 
@@ -115,34 +115,34 @@ def chosen_joints(
 
 def _carriers_first(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[RobotJoint]:
     """Return joints in the order of the file, but each behind those that carry it."""
-    by_child, found = {one.child: one for one in robot.joints.values()}, dict[str, RobotJoint]()
-    wanted = {one.name for one in joints}
-    for one in joints:
+    by_child, found = {element.child: element for element in robot.joints.values()}, dict[str, RobotJoint]()
+    wanted = {item.name for item in joints}
+    for joint in joints:
         way: list[RobotJoint] = []
-        above: RobotJoint | None = one
+        above: RobotJoint | None = joint
         while above is not None and above.name not in found:
             way.append(above)
             above = by_child.get(above.parent)
         found |= {each.name: each for each in reversed(way)}
-    return [one for one in found.values() if one.name in wanted]
+    return [entry for entry in found.values() if entry.name in wanted]
 
 
 def held_still(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[str]:
     """Return what is to be said of joints that carry the machine and are not in it: it hangs from a base that stands
     still.
     """
-    by_child, chosen = {one.child: one for one in robot.joints.values()}, {one.name for one in joints}
+    by_child, chosen = {entry.child: entry for entry in robot.joints.values()}, {element.name for element in joints}
     above: dict[str, RobotJoint] = {}
-    for one in joints:
-        carrier = by_child.get(one.parent)
+    for joint in joints:
+        carrier = by_child.get(joint.parent)
         while carrier is not None and carrier.name not in above:
             if carrier.kind != "fixed" and carrier.name not in chosen:
                 above[carrier.name] = carrier
             carrier = by_child.get(carrier.parent)
     return [
-        f"joint {one.name!r} ({one.kind or 'of no type'}) carries the machine and is not in it: it is taken to stand "
+        f"joint {item.name!r} ({item.kind or 'of no type'}) carries the machine and is not in it: it is taken to stand "
         "still at zero."
-        for one in above.values()
+        for item in above.values()
     ]
 
 
@@ -185,7 +185,7 @@ def _check_names(robot: RobotFile, chosen: Sequence[str], where: str) -> None:
         if name in chosen[:k]:
             raise RobotFileError(f"joint {name!r} is named twice", where=where, remedy="name each once")
     if not chosen:
-        macros = any("xacro" in str(one.tag) for one in robot.root.iter())
+        macros = any("xacro" in str(item.tag) for item in robot.root.iter())
         expand = "expand it first: xacro robot.xacro > robot.urdf"
         remedy = expand if macros else "give the URDF of a machine with joints"
         raise RobotFileError("has no joint that moves", where=where, remedy=remedy)
@@ -193,16 +193,16 @@ def _check_names(robot: RobotFile, chosen: Sequence[str], where: str) -> None:
 
 def _parents(robot: RobotFile, joints: Sequence[RobotJoint], where: str) -> list[int | None]:
     """Return which of the joints carries each; RobotFileError where one comes before its carrier."""
-    by_child = {one.child: one for one in robot.joints.values()}
-    index = {one.name: k for k, one in enumerate(joints)}
+    by_child = {joint.child: joint for joint in robot.joints.values()}
+    index = {entry.name: k for k, entry in enumerate(joints)}
     found: list[int | None] = []
-    for k, one in enumerate(joints):
-        above: RobotJoint | None = by_child.get(one.parent)
+    for k, item in enumerate(joints):
+        above: RobotJoint | None = by_child.get(item.parent)
         while above is not None and above.name not in index:
             above = by_child.get(above.parent)
         if above is not None and index[above.name] > k:
             raise RobotFileError(
-                f"{one.name} hangs from {above.name}, which is named after it", where=where, remedy="name it first"
+                f"{item.name} hangs from {above.name}, which is named after it", where=where, remedy="name it first"
             )
         found.append(None if above is None else index[above.name])
     return found
@@ -210,7 +210,7 @@ def _parents(robot: RobotFile, joints: Sequence[RobotJoint], where: str) -> list
 
 def _normal(joints: Sequence[RobotJoint], where: str) -> Float:
     """Return the unit normal (3,) of the plane in which all joints move; positive angles turn forwards about it."""
-    turning = [one for one in joints if one.kind != "prismatic"]
+    turning = [entry for entry in joints if entry.kind != "prismatic"]
     if turning:
         normal = turning[0].axis
     else:
@@ -218,23 +218,23 @@ def _normal(joints: Sequence[RobotJoint], where: str) -> Float:
         side = np.cross(first, [0.0, 0.0, 1.0])
         normal = side if np.linalg.norm(side) > PARALLEL else np.array([0.0, -1.0, 0.0])
         normal = normal / np.linalg.norm(normal)
-    for one in turning:
-        if np.linalg.norm(np.cross(one.axis, normal)) > PARALLEL:
+    for item in turning:
+        if np.linalg.norm(np.cross(item.axis, normal)) > PARALLEL:
             raise NotPlanarError(
-                f"the axes of {turning[0].name} and {one.name} are not parallel: they do not move in one plane",
+                f"the axes of {turning[0].name} and {item.name} are not parallel: they do not move in one plane",
                 where=where,
                 remedy=SPATIAL,
             )
-        if one.axis @ normal < 0.0:
+        if item.axis @ normal < 0.0:
             raise NotPlanarError(
-                f"the axis of {one.name} points against that of {turning[0].name}: their angles have opposite signs",
+                f"the axis of {item.name} points against that of {turning[0].name}: their angles have opposite signs",
                 where=where,
                 remedy=SPATIAL,
             )
-    for one in joints:
-        if one.kind == "prismatic" and abs(float(one.axis @ normal)) > PARALLEL:
+    for joint in joints:
+        if joint.kind == "prismatic" and abs(float(joint.axis @ normal)) > PARALLEL:
             raise NotPlanarError(
-                f"{one.name} slides out of the plane of the others", where=where, remedy=SPATIAL
+                f"{joint.name} slides out of the plane of the others", where=where, remedy=SPATIAL
             )
     return np.asarray(normal, dtype=float)
 
@@ -247,33 +247,33 @@ def _directions(
     fall = fall - fall @ normal * normal
     down = fall / np.linalg.norm(fall) if np.linalg.norm(fall) > PARALLEL else None
     found: list[Float] = []
-    for k, one in enumerate(joints):
-        steps = [joints[j].place - one.place for j, parent in enumerate(parents) if parent == k]
+    for k, joint in enumerate(joints):
+        steps = [joints[j].place - joint.place for j, parent in enumerate(parents) if parent == k]
         steps = [step - step @ normal * normal for step in steps]
         if any(np.linalg.norm(step) < NEAREST for step in steps):
-            what = f"what hangs from {one.name} sits on its own axis"
+            what = f"what hangs from {joint.name} sits on its own axis"
             raise NotPlanarError(what, where=where, remedy=SPATIAL)
         if any(np.linalg.norm(step - steps[0]) > NEAREST for step in steps[1:]):
             raise NotPlanarError(
-                f"the joints that hang from {one.name} sit at different places", where=where, remedy=SPATIAL
+                f"the joints that hang from {joint.name} sit at different places", where=where, remedy=SPATIAL
             )
         above = down if gravity > 0.0 else None
         if parents[k] is not None:
             above = found[int(parents[k] or 0)]
         own = steps[0] / np.linalg.norm(steps[0]) if steps else None
-        if one.kind == "prismatic":
-            own = one.axis if own is None else own
-            if np.linalg.norm(one.axis - own) > PARALLEL:
+        if joint.kind == "prismatic":
+            own = joint.axis if own is None else own
+            if np.linalg.norm(joint.axis - own) > PARALLEL:
                 raise NotPlanarError(
-                    f"{one.name} does not slide along its own link", where=where, remedy=SPATIAL
+                    f"{joint.name} does not slide along its own link", where=where, remedy=SPATIAL
                 )
         if own is None:
             own = above if above is not None else np.array([1.0, 0.0, 0.0])
         if above is not None and np.linalg.norm(own - above) > PARALLEL:
             angle = math.atan2(float(normal @ np.cross(above, own)), float(above @ own))
             straight = "down" if parents[k] is None else f"on from {joints[int(parents[k] or 0)].name}"
-            what = f"at the file's zero, {one.name} points {abs(angle):.4g} rad away from straight {straight}"
-            if one.kind == "prismatic":
+            what = f"at the file's zero, {joint.name} points {abs(angle):.4g} rad away from straight {straight}"
+            if joint.kind == "prismatic":
                 raise NotPlanarError(what, where=where, remedy=SPATIAL)
             raise NotPlanarError(
                 what,
@@ -299,15 +299,15 @@ def limits_in(one: RobotJoint, where: str) -> Limits | None:
 
 
 def _off_axis(robot: RobotFile, joints: Sequence[RobotJoint], directions: Sequence[Float], normal: Float) -> list[bool]:
-    """Return whether the mass that moves with each joint alone lies beside its link's axis."""
+    """True if the mass that moves with each joint alone lies beside its link's axis."""
     found = []
-    for one, along, links in zip(joints, directions, moving_with(robot, joints), strict=True):
+    for joint, along, links in zip(joints, directions, moving_with(robot, joints), strict=True):
         known = [robot.masses[link] for link in links if link in robot.masses]
         whole = sum(mass for mass, _ in known)
-        if one.kind == "prismatic" or not whole > 0.0:
+        if joint.kind == "prismatic" or not whole > 0.0:
             found.append(False)
             continue
-        centre = sum((mass * (place - one.place) for mass, place in known), start=np.zeros(3)) / whole
+        centre = sum((mass * (place - joint.place) for mass, place in known), start=np.zeros(3)) / whole
         beside = float(centre @ np.cross(normal, along))
         found.append(abs(beside) > OFF_AXIS * float(np.linalg.norm(centre)) and abs(beside) > NEAREST)
     return found
@@ -315,8 +315,8 @@ def _off_axis(robot: RobotFile, joints: Sequence[RobotJoint], directions: Sequen
 
 def moving_with(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[list[str]]:
     """Return the links that move with each of the joints and with no later one."""
-    names = {one.name: k for k, one in enumerate(joints)}
-    by_child = {one.child: one for one in robot.joints.values()}
+    names = {item.name: k for k, item in enumerate(joints)}
+    by_child = {joint.child: joint for joint in robot.joints.values()}
     found: list[list[str]] = [[] for _ in joints]
     owners: dict[str, int | None] = {}
     for link in by_child:

@@ -123,11 +123,11 @@ def _placed(root: Element, where: str) -> RobotFile:
         if twice:
             raise RobotFileError(f"two {kind}s are called {twice[0][:60]!r}", where=where, remedy="rename one of them")
     of_child: dict[str, Any] = {}
-    for one in elements:
-        child = _link(one, "child", where)
+    for item in elements:
+        child = _link(item, "child", where)
         if child in of_child:
             raise RobotFileError(f"two joints carry link {child[:60]!r}", where=where, remedy="a URDF is a tree")
-        of_child[child] = one
+        of_child[child] = item
     frames: dict[str, tuple[Float, Float]] = {}
 
     def frame(link: str) -> tuple[Float, Float]:
@@ -147,19 +147,19 @@ def _placed(root: Element, where: str) -> RobotFile:
         return frames[way[0] if way else link]
 
     joints = {}
-    for one in elements:
-        child = _link(one, "child", where)
+    for entry in elements:
+        child = _link(entry, "child", where)
         place, turned = frame(child)
-        axis = one.find("axis")
+        axis = entry.find("axis")
         direction = numbers_of(axis, "xyz", (1.0, 0.0, 0.0), where) if axis is not None else np.array([1.0, 0.0, 0.0])
         size = float(np.linalg.norm(direction))
-        kind = one.get("type", "")
+        kind = entry.get("type", "")
         if kind in MOVING and not size > 0.0:
-            at = f"{where}: joint {one.get('name')}"
+            at = f"{where}: joint {entry.get('name')}"
             raise RobotFileError("has an axis of length zero", where=at, remedy="mend it")
-        parent = _link(one, "parent", where)
-        joints[one.get("name", "")] = RobotJoint(
-            one.get("name", ""), kind, parent, child, place, turned, turned @ direction / (size or 1.0), one
+        parent = _link(entry, "parent", where)
+        joints[entry.get("name", "")] = RobotJoint(
+            entry.get("name", ""), kind, parent, child, place, turned, turned @ direction / (size or 1.0), entry
         )
     masses = {}
     for link, element in children.items():

@@ -75,7 +75,7 @@ def _spatial(
     robot: RobotFile, names: Sequence[str], gravity: float, where: str, why: str
 ) -> RobotMachine[ModelStructure]:
     joints, carriers = chosen_joints(robot, names, where)
-    chosen = [one.name for one in joints]
+    chosen = [item.name for item in joints]
     made, notes = [], [f"a spatial machine: {why}"] if why else []
     rounded = False
     for k, (one, carrier) in enumerate(zip(joints, carriers, strict=True)):

@@ -132,8 +132,8 @@ class Term:
 
     @property
     def may_move(self) -> bool:
-        """Whether it has a place that mounting or strapping may move between recordings."""
-        return any(one.per_recording and one.spacing == "position" for one in self.effect.shape.values())
+        """True if it has a place that mounting or strapping may move between recordings."""
+        return any(item.per_recording and item.spacing == "position" for item in self.effect.shape.values())
 
     @property
     def first(self) -> int:
@@ -150,7 +150,7 @@ class Term:
 
     @property
     def _slides(self) -> bool:
-        """Whether numbers of the catalogue, which are those of a turning joint, have to be those of a sliding one."""
+        """True if numbers of the catalogue, which are those of a turning joint, have to be those of a sliding one."""
         return not self.effect.custom and self.joint is not None and not self.among[self.first].turns
 
     def _scale(self, unit: str) -> float:
@@ -195,7 +195,7 @@ class Term:
 
 
 def fits(effect: Effect, among: tuple[Joint, ...]) -> bool:
-    """Return whether machines of these joints have the effect at all."""
+    """True if machines of these joints have the effect at all."""
     if effect.machines == "spatial" or is_spatial(among):
         return is_spatial(among) and effect.machines in ("spatial", "all", "others")
     kind = effect.machines.removeprefix("planar").strip()

@@ -76,6 +76,6 @@ def spacing(numbers: Float) -> float:
 
 
 def are_even(numbers: Float) -> bool:
-    """Whether numbers are evenly spaced."""
+    """True if numbers are evenly spaced."""
     step = np.diff(numbers)
     return bool(np.ptp(step) <= 1e-12 * np.abs(numbers).max())

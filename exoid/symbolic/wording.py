@@ -36,7 +36,7 @@ def added_said(label: str, said: Callable[[str], str] = called) -> str:
 
 
 def number_called(effect: Effect, key: str) -> str:
-    """Return what one number of an effect is: "stiffness of the stop"; its own name where nothing explains it."""
+    """Name of one number of an effect: "stiffness of the stop"; its own name where nothing explains it."""
     entry = _entry(effect, key)
     told = "" if entry is None or CHOICE.search(entry.explains) else re.split(r"[;:(,]", entry.explains)[0].strip()
     return told or key

@@ -55,8 +55,8 @@ class Equations:
     def symbols(self) -> tuple[Symbol, ...]:
         """Every symbol that the equations hold, motion first."""
         found: set[Symbol] = set()
-        for one in (self.M, self.C, self.G, self.J, self.Y, *self.added.values()):
-            found |= one.free_symbols
+        for item in (self.M, self.C, self.G, self.J, self.Y, *self.added.values()):
+            found |= item.free_symbols
         for _, argument, parameter in self.memories.values():
             found |= argument.free_symbols | (set() if parameter is None else parameter.free_symbols)
         numbers = [p.name for p in self.model.parameters] + [s.name for s in self.model.shapes]
@@ -211,7 +211,7 @@ def _python(
     for symbol, (operator, argument, parameter) in found.memories.items():
         given = [plainly(argument)] + ([] if parameter is None else [plainly(parameter)])
         lines.append(f"{symbol.name}{suffix} = {call(operator, given)}")
-    lines += [f"{name} = {matrix(rows(one))}" for name, one in found.matrices.items()]
+    lines += [f"{name} = {matrix(rows(item))}" for name, item in found.matrices.items()]
     comments = "".join(f"#   {in_comment(_meaning(found, k))}\n" for k in range(len(found.parameters)))
     lines.append("# The columns of Y belong to\n" + comments.rstrip())
     for name, torque in found.added.items():
@@ -236,7 +236,7 @@ def _renamed(names: Mapping[Symbol, str]) -> dict[Symbol, Symbol]:
 
 @cache
 def _printer() -> Any:
-    """Return what writes a SymPy expression in CasADi's words."""
+    """Printer of a SymPy expression in CasADi's words."""
     from sympy.printing.str import StrPrinter
 
     words = {"Abs": "fabs", "sign": "sign"}

@@ -85,11 +85,11 @@ def _in_a_plane(
         _known(robot, machine, k, joint, group, where)
         for k, (joint, group) in enumerate(zip(joints, groups, strict=True))
     ]
-    near = [one for one in known if one is not None]
+    near = [item for item in known if item is not None]
     links = links_of(ready, near if len(near) == len(known) else None)
     return [
-        _inertial(robot, machine, k, joint, one, where)
-        for k, (joint, one) in enumerate(zip(joints, links, strict=True))
+        _inertial(robot, machine, k, joint, entry, where)
+        for k, (joint, entry) in enumerate(zip(joints, links, strict=True))
     ]
 
 
@@ -109,12 +109,12 @@ def _in_space(
         raise ExportError("its joints hang from each other otherwise than in the model", where=where,
                           remedy="make the model from this file (exoid model --from-urdf) and identify it")  # fmt: skip
     known = [_known_body(robot, joint, group, where) for joint, group in zip(joints, groups, strict=True)]
-    near = [one for one in known if one is not None]
-    return [inertial_of(one) for one in bodies_of(ready, near if len(near) == len(known) else None)]
+    near = [item for item in known if item is not None]
+    return [inertial_of(entry) for entry in bodies_of(ready, near if len(near) == len(known) else None)]
 
 
 def _same_place(mine: Joint, other: Joint) -> bool:
-    """Whether two joints move alike, in the same place."""
+    """True if two joints move alike, in the same place."""
     import numpy as np
 
     places = [joint.origin or HERE for joint in (mine, other)]
@@ -158,7 +158,7 @@ def _matched(ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], where
     """Return the planar machine of the file that is the model's."""
     machine = planar_machine(robot, [joint.name for joint in joints], ready.model.gravity, where)
     for mine, other in zip(tree_of(ready.model), machine.model.chain, strict=True):
-        lengths = [0.0 if one.length is None else one.length for one in (mine, other)]
+        lengths = [0.0 if item.length is None else item.length for item in (mine, other)]
         if mine.kind != other.kind or (other.length is not None and abs(lengths[0] - lengths[1]) > SAME_LENGTH):
             raise ExportError(
                 f"{mine.name} is {mine.kind}, {lengths[0]:g} m long in the model, "
@@ -215,10 +215,10 @@ def _tensor(robot: RobotFile, link: str, where: str) -> Float:
     """Return the inertia (3, 3) of a link about its centre of mass, in the world at the file's zero; zero if unsaid."""
     import numpy as np
 
-    element = next((one for one in robot.root.iter("link") if one.get("name") == link), None)
+    element = next((item for item in robot.root.iter("link") if item.get("name") == link), None)
     inertial = None if element is None else element.find("inertial")
     inertia = None if inertial is None else inertial.find("inertia")
-    joint = next((one for one in robot.joints.values() if one.child == link), None)
+    joint = next((entry for entry in robot.joints.values() if entry.child == link), None)
     if inertial is None or inertia is None or joint is None:
         return np.zeros((3, 3))
     xx, xy, xz, yy, yz, zz = (

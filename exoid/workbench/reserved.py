@@ -24,7 +24,7 @@ IMPORTED = """
 
 
 def is_taken(name: str) -> bool:
-    """Whether a file or function called `name` would be or hide something else: a word of C, C++ or Python, a header,
+    """True if a file or function called `name` would be or hide something else: a word of C, C++ or Python, a header,
     a module of Python, of its numerical packages or of exoid, a device of Windows.
     """
     word = name.lower()

@@ -1,6 +1,7 @@
 """The field's words: what the house once said in a language of its own does not come back.
 
-Read are texts that a person may see: all string literals but docstrings, and the pages of documentation.
+Read are texts that a person may see: all string literals but docstrings, and the pages of documentation; the first
+lines of docstrings, and what values are called.
 """
 
 from __future__ import annotations
@@ -27,6 +28,13 @@ INSTEAD_BELOW_THE_VERDICT = {r"\bdoubts?\b": "objection"}
 """The same where no verdict describes what a technician would see."""
 
 
+WITHOUT_A_NOUN = re.compile(r"(Return )?(what|whether|how|where|which|who|why|when)\b", re.IGNORECASE)
+FIRST_LINES_WITHOUT_A_NOUN = 524
+"""Docstrings may begin so at most; the number only falls."""
+ONE_AS_A_VALUE = 116
+"""Places at most that call a value `one`; the number only falls."""
+
+
 def shown(path):
     docstrings = {id(node.value) for node in ast.walk(tree_of(path)) if isinstance(node, ast.Expr)}
     for node in ast.walk(tree_of(path)):
@@ -51,3 +59,16 @@ def test_nor_do_pictures_where_a_term_is_meant(words):
     found = {str(path.relative_to(ROOT)): said(words, shown(path)) for path in meant}
     found = {place: texts for place, texts in found.items() if texts}
     assert found == {}, f"write: {INSTEAD_BELOW_THE_VERDICT[words]}"
+
+
+def test_docstrings_begin_with_a_noun():
+    kinds = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    firsts = [ast.get_docstring(n) or "" for p in SOURCES for n in ast.walk(tree_of(p)) if isinstance(n, kinds)]
+    found = [first.splitlines()[0] for first in firsts if WITHOUT_A_NOUN.match(first)]
+    assert len(found) <= FIRST_LINES_WITHOUT_A_NOUN, "write what it is or returns: 'Samples that ...', 'True if ...'"
+
+
+def test_values_are_called_by_what_they_are():
+    names = [n for p in SOURCES for n in ast.walk(tree_of(p)) if isinstance(n, ast.Name) and n.id == "one"]
+    stored = [name for name in names if isinstance(name.ctx, ast.Store)]
+    assert len(stored) <= ONE_AS_A_VALUE, "name it: recording, joint, term"

@@ -67,7 +67,7 @@ def data(
         "rows": [[_rounded(row.get(head)) for head in heads if head not in hidden] + [row["report"]] for row in table],
         "fleet": fleet(plan, done), "history": [] if running else history(plan, done),
         "device": plan.device, "date": plan.date,
-        "pooled": [] if running else [one.to_json() for one in pool(plan, done)],
+        "pooled": [] if running else [item.to_json() for item in pool(plan, done)],
         "unreadable": unreadable(done),
     }  # fmt: skip
 
@@ -83,8 +83,8 @@ def fleet(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         if row["status"] != "done" or "verdict" not in row["result"]:
             continue
         answered[device] += 1
-        for one in row["result"].get("accepted", []):
-            counts.setdefault(effect_name(one), Counter())[device] += 1
+        for item in row["result"].get("accepted", []):
+            counts.setdefault(effect_name(item), Counter())[device] += 1
     order = sorted(counts, key=lambda effect: (-sum(counts[effect].values()), effect))
     devices = sorted(answered)
     return {

@@ -238,10 +238,10 @@ def _options(top: Table, verb: str) -> tuple[str, ...]:
         if isinstance(value, bool):
             words += [name] if value else []
             continue
-        for one in value if isinstance(value, list) else [value]:
-            if not isinstance(one, (str, int, float)):
+        for item in value if isinstance(value, list) else [value]:
+            if not isinstance(item, (str, int, float)):
                 raise table.error(key, f"{key} is neither text nor number", "write it as on the command line")
-            words.append(f"{name}={one}")
+            words.append(f"{name}={item}")
     try:
         verb_parser(verb).parse([*words, *verb_of(verb).words(None, ["recording.csv"])])
     except ExoidError as error:

@@ -56,16 +56,16 @@ def pool(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[Pooled]:
     units: dict[str, str] = {}
     for row in rows:
         device = row["fields"].get(plan.device, "")
-        for name, one in ((row.get("result") or {}).get("parameters") or {}).items():
-            variance = _variance(one)
+        for name, item in ((row.get("result") or {}).get("parameters") or {}).items():
+            variance = _variance(item)
             if variance is not None:
-                values[name][device].append((one["value"], variance))
-                units[name] = one.get("unit", "")
+                values[name][device].append((item["value"], variance))
+                units[name] = item.get("unit", "")
     return [_pooled(name, units[name], found) for name, found in values.items() if len(found) >= LEAST_DEVICES]
 
 
 def has_statsmodels() -> bool:
-    """Whether the library of the random-effects model is installed."""
+    """True if the library of the random-effects model is installed."""
     import importlib.util
 
     return importlib.util.find_spec("statsmodels") is not None
@@ -117,7 +117,7 @@ def _outliers(devices: Mapping[str, tuple[float, float]]) -> tuple[Outlier, ...]
         Outlier(device, value, distance, p)
         for (device, value, distance, _), p in zip(raw, corrected, strict=True)
     )
-    return tuple(sorted((one for one in found if one.p < LEVEL), key=lambda one: one.p))
+    return tuple(sorted((item for item in found if item.p < LEVEL), key=lambda one: one.p))
 
 
 def _variance(one: Mapping[str, Any]) -> float | None:

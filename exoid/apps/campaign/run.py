@@ -54,7 +54,7 @@ class Campaign(AsJson):
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many jobs ended how."""
+        """Number of jobs by how they ended."""
         return dict(Counter(row["status"] for row in self.rows))
 
     @property

@@ -50,7 +50,7 @@ class JobStore:
     def key(self, job: Job) -> str:
         """Return the hash of everything the answer to `job` depends on; AwayError where a recording cannot be read."""
         files = {
-            role: [[Path(p).name, one] for p, one in zip(getattr(job, role), sums, strict=True)]
+            role: [[Path(p).name, item] for p, item in zip(getattr(job, role), sums, strict=True)]
             for role, sums in self.sums(job).items()
         }
         parts = [job.verb, job.options, job.seed, job.case, self.model(job), files, self._versions]
@@ -95,7 +95,7 @@ class JobStore:
 
     def labels(self, job: Job) -> dict[str, Any]:
         """Return what a row says of its job and not of the answer: the same content may be called something else."""
-        sums = {role: [one[:16] for one in found] for role, found in self.sums(job).items()}
+        sums = {role: [item[:16] for item in found] for role, found in self.sums(job).items()}
         return {"name": job.name, "fields": dict(job.fields), "sums": sums}
 
     def write(self, job: Job, key: str, row: Mapping[str, Any]) -> Path:
@@ -125,7 +125,7 @@ def task_of(
 
     def every(role: str) -> list[dict[str, Any]]:
         paths = getattr(job, role)
-        return [sent(path, one) for path, one in zip(paths, sums.get(role, [""] * len(paths)), strict=True)]
+        return [sent(path, item) for path, item in zip(paths, sums.get(role, [""] * len(paths)), strict=True)]
 
     model = store.model(job) if store is not None else None if job.model is None else _model_text(job.model)
     return {

@@ -30,8 +30,8 @@ def flat(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
         "effects": "; ".join(map(effect_name, accepted)),
     }
     out["values"] = "; ".join(filter(None, map(effect_values, accepted)))
-    out["possible"] = "; ".join(effect_name(one) for one in result.get("possible") or [])
-    out["look_alikes"] = "; ".join(sorted({name for one in accepted for name in one.get("look_alikes", [])}))
+    out["possible"] = "; ".join(effect_name(item) for item in result.get("possible") or [])
+    out["look_alikes"] = "; ".join(sorted({name for effect in accepted for name in effect.get("look_alikes", [])}))
     for label, values in errors(result).items():
         for k, value in enumerate(values):
             out[f"{label}_{_joint(result, k)}"] = value
@@ -94,10 +94,10 @@ def parameters(plan: Plan, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, 
     """Return a row per parameter of every job: value, unit, and the 95 % interval from `low` to `high`."""
     out = []
     for row in rows:
-        for name, one in ((row.get("result") or {}).get("parameters") or {}).items():
+        for name, item in ((row.get("result") or {}).get("parameters") or {}).items():
             fields = {field: row["fields"].get(field, "") for field in plan.fields}
-            numbers = {key: one.get(key) for key in ("value", "low", "high")}
-            out.append({"job": row["name"], **fields, "parameter": name, **numbers, "unit": one.get("unit", "")})
+            numbers = {key: item.get(key) for key in ("value", "low", "high")}
+            out.append({"job": row["name"], **fields, "parameter": name, **numbers, "unit": item.get("unit", "")})
     return out
 
 
@@ -113,7 +113,7 @@ def blind_lines(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 def unreadable(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Return a row per recording that could not be read, with the reason."""
-    return [{"job": row["name"], **one} for row in rows for one in row.get("unreadable", [])]
+    return [{"job": row["name"], **item} for row in rows for item in row.get("unreadable", [])]
 
 
 def write_tables(folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[Path]:
@@ -138,7 +138,7 @@ def write_tables(folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any]]) ->
 
 
 def has_parquet() -> bool:
-    """Whether pyarrow is installed, so that tables are written as Parquet too."""
+    """True if pyarrow is installed, so that tables are written as Parquet too."""
     import importlib.util
 
     return importlib.util.find_spec("pyarrow") is not None

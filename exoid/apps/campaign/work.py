@@ -47,11 +47,11 @@ def work(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def _asked(task: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Ask the command; where a recording is away for a moment, again a little later."""
-    gone = [one["away"] for role in ROLES for one in task[role] if one.get("away")]
-    given = {role: [_placed(one, folder, k, role) for k, one in enumerate(task[role])] for role in ROLES}
+    gone = [item["away"] for role in ROLES for item in task[role] if item.get("away")]
+    given = {role: [_placed(element, folder, k, role) for k, element in enumerate(task[role])] for role in ROLES}
     expected = {
-        path: one["sha256"] for role in ROLES for path, one in zip(given[role], task[role], strict=True)
-        if one.get("sha256")
+        path: entry["sha256"] for role in ROLES for path, entry in zip(given[role], task[role], strict=True)
+        if entry.get("sha256")
     }  # fmt: skip
     for attempt in range(ATTEMPTS):
         try:
@@ -75,20 +75,20 @@ def _answered(
     """
     with noting() as noted:
         status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
-    theirs = {path: str(one["path"]) for role in ROLES for path, one in zip(given[role], task[role], strict=True)}
+    theirs = {path: str(item["path"]) for role in ROLES for path, item in zip(given[role], task[role], strict=True)}
     unreadable: list[dict[str, str]] = []
     if status != 2:
         _check(expected, expected, noted)
     else:
         paths = [] if verb_of(task["verb"]).alone else [path for role in ROLES for path in given[role]]
         unreadable = _unreadable(task, paths, expected)
-        bad = {one["path"] for one in unreadable}
+        bad = {entry["path"] for entry in unreadable}
         left = {role: [path for path in paths if path not in bad] for role, paths in given.items()}
         if bad and left["recordings"] and bool(left["verify"]) == bool(given["verify"]):
             with noting() as noted:
                 status, result, said, report = _command(task, folder, left["recordings"], left["verify"])
             _check([path for paths in left.values() for path in paths if status != 2], expected, noted)
-        elif not bad and any(noted.get(path) != one for path, one in expected.items()):
+        elif not bad and any(noted.get(path) != element for path, element in expected.items()):
             _check(expected, expected, {})
             before = status, said
             status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
@@ -159,7 +159,7 @@ def _unreadable(
 
 
 def _why_not(task: Mapping[str, Any], path: str) -> tuple[str, dict[str, str]]:
-    """Return why a recording cannot be read, "" where it can, and what was read."""
+    """Reason why a recording cannot be read, "" where it can, and what was read."""
     from exoid.ground.errors import ExoidError
     from exoid.workbench.command import verb_parser
     from exoid.workbench.command_line.inputs import load

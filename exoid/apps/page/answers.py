@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 def found(workspace: Workspace, names: Names) -> Diagnosis | None:
     """Return the answer that came to exactly these effects, in this order; None where none did."""
     answers = (workspace.diagnoses.get(frozenset(names)), workspace.judging.answer(workspace.session))
-    ends = ((one, [term.name for term in one.model.terms][-len(names) :]) for one in answers if one is not None)
-    return next((one for one, end in ends if end == list(names)), None)
+    ends = ((item, [term.name for term in item.model.terms][-len(names) :]) for item in answers if item is not None)
+    return next((entry for entry, end in ends if end == list(names)), None)
 
 
 def told(workspace: Workspace, names: Names) -> dict[str, Any] | None:
@@ -29,7 +29,7 @@ def told(workspace: Workspace, names: Names) -> dict[str, Any] | None:
     if judged is not None:
         answers.append((frozenset(map(term, judged["accepted"])), judged))
     for end, answer in sorted(answers, key=lambda pair: pair[0] != wanted):
-        accepted = [term(one) for one in answer["accepted"]]
+        accepted = [term(effect) for effect in answer["accepted"]]
         given = end - set(accepted)
         for count, step in enumerate(answer["steps"]):
             if given | set(accepted[:count]) == wanted:
@@ -51,7 +51,7 @@ def error(workspace: Workspace, names: Names) -> list[float] | None:
     if foreseen is None or before is None:
         return None
     fall = foreseen.evaluation_rms / session.ranking(names[:-1]).fitted.evaluation_rms  # of the samples of the ranking
-    return [one * float(ratio) for one, ratio in zip(before, fall, strict=True)]
+    return [item * float(ratio) for item, ratio in zip(before, fall, strict=True)]
 
 
 def trial(workspace: Workspace, names: Names) -> Trial | None:

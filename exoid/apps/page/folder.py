@@ -172,7 +172,7 @@ class SessionFolder:
         refuse_links(target, self.folder)
         target.parent.mkdir(exist_ok=True)
         part = Path(tempfile.mkdtemp(prefix=PREFIX, suffix=SUFFIX, dir=target.parent))
-        for file in sorted(one for one in real.iterdir() if one.is_file()):
+        for file in sorted(path for path in real.iterdir() if path.is_file()):
             shutil.copyfile(file, part / file.name)
         _remove(target)
         part.rename(target)

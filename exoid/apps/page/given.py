@@ -42,14 +42,14 @@ class Given:
 
     @property
     def is_other(self) -> bool:
-        """Whether the file stood in a folder and is no recording."""
+        """True if the file stood in a folder and is no recording."""
         return self.among and isinstance(self.error, RecordingError) and bool(self.error.kind)
 
     @property
     def files(self) -> frozenset[Path]:
         """The files that it is read from: of what lies in an archive, the archive."""
         named = (self.path, *(Path(file) for file, _ in self.told.join))
-        return frozenset(next((part for part in (one, *one.parents) if part.is_file()), one) for one in named)
+        return frozenset(next((part for part in (item, *item.parents) if part.is_file()), item) for item in named)
 
 
 def safe_name(name: str) -> str:
@@ -119,8 +119,8 @@ def _named(given: Given, recordings: tuple[Recording, ...]) -> tuple[Recording, 
     stem = Path(given.name).stem or given.name
     if len(recordings) == 1:
         return (replace(recordings[0], name=stem),)
-    sides = [one.name.rpartition(" (")[2] for one in recordings]
-    return tuple(replace(one, name=f"{stem} ({side}") for one, side in zip(recordings, sides, strict=True))
+    sides = [recording.name.rpartition(" (")[2] for recording in recordings]
+    return tuple(replace(item, name=f"{stem} ({side}") for item, side in zip(recordings, sides, strict=True))
 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
@@ -149,7 +149,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
             found, _ = assign_usable(table, said, where=given.name, joints=joints, partial=True)
         except ExoidError:
             continue
-        guesses[side] = {n: {"column": shown(one.column), "unit": one.unit} for n, one in found.items()}
+        guesses[side] = {n: {"column": shown(item.column), "unit": item.unit} for n, item in found.items()}
     guess = next(iter(guesses.values()), {})
     return {
         "id": given.id,
@@ -170,7 +170,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
-        "findings": [f.to_json() for one in given.recordings for f in one.findings],
+        "findings": [f.to_json() for recording in given.recordings for f in recording.findings],
     }
 
 
@@ -198,7 +198,7 @@ def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None
 
 def told_of_all(given: Sequence[Given]) -> StatedMapping:
     """Return what holds for a further file as well: the convention in which all files so far are read."""
-    found = {one.told.convention for one in given}
+    found = {entry.told.convention for entry in given}
     return StatedMapping(convention=found.pop() if len(found) == 1 else "")
 
 

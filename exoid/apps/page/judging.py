@@ -29,11 +29,11 @@ class Judging:
 
     @property
     def running(self) -> bool:
-        """Whether it still searches."""
+        """True if it still searches."""
         return self.search is not None and self.search.running
 
     def wanted(self, session: Session, names: tuple[str, ...]) -> bool:
-        """Whether the model as it was given is to be judged, and was not yet."""
+        """True if the model as it was given is to be judged, and was not yet."""
         return self.on and not names and session is not self._session
 
     def start(self, session: Session) -> None:

@@ -51,7 +51,7 @@ class Keeping:
 
     @property
     def kept(self) -> bool:
-        """Whether everything that was done is written, where there is a folder to write it to."""
+        """True if everything that was done is written, where there is a folder to write it to."""
         return self._session is not None and self._written == self._changes and self.unkept is None
 
     def run(self) -> None:

@@ -81,4 +81,4 @@ def _finite(text: str) -> float:
 
 def _shallow(value: Any, deepest: int) -> bool:
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return deepest > 0 and all(_shallow(one, deepest - 1) for one in inner)
+    return deepest > 0 and all(_shallow(item, deepest - 1) for item in inner)

@@ -143,12 +143,12 @@ def explained(
     if ranking is None:
         return {}
     selected = []
-    for place, one in enumerate(session.searched.all):
+    for place, item in enumerate(session.searched.all):
         origin = session.origins[place]
-        chosen = np.zeros(one.used.shape, dtype=bool)
+        chosen = np.zeros(item.used.shape, dtype=bool)
         for recording, low, high in spans:
             if recording == origin:
-                chosen |= ((one.t >= low) & (one.t <= high))[None, :]
+                chosen |= ((item.t >= low) & (item.t <= high))[None, :]
         if box is not None and joint is not None:
             x = _variable(session, place, ranking.fitted, str(box["variable"]), joint)
             y = ranking.fitted.residuals[place][joint]

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from exoid.apps.page import recent
 from exoid.apps.page.folder import LARGEST, SESSION, SessionFolder, inside
 from exoid.apps.page.given import FIT, VERIFY
 from exoid.apps.page.takeaway import MODEL, REPORT, model_toml, report
@@ -49,15 +50,15 @@ def _write(workspace: Workspace, place: SessionFolder) -> None:
     """Write recordings first, then the session, in one step, and then what follows from it."""
     place.check()
     entries = []
-    for one in list(workspace.given):
-        digest = one.recordings[0].source.sha256 if one.recordings and not one.told.join else ""
+    for item in list(workspace.given):
+        digest = item.recordings[0].source.sha256 if item.recordings and not item.told.join else ""
         entries.append({
-            "file": place.copy(one.path, one.name, digest), "name": one.name, "role": one.role,
-            "join": [(place.copy(Path(file), f"joined-{Path(file).name}"), lag) for file, lag in one.told.join],
-            "columns": one.told.columns, "units": one.told.units, "leg": one.told.leg, "passive": one.told.passive,
-            "only": one.told.only, "rate": one.told.rate,
-            "convention": list(filter(None, one.told.convention.split(","))),
-            "payloads": [astuple(load) for load in one.told.payloads],
+            "file": place.copy(item.path, item.name, digest), "name": item.name, "role": item.role,
+            "join": [(place.copy(Path(file), f"joined-{Path(file).name}"), lag) for file, lag in item.told.join],
+            "columns": item.told.columns, "units": item.told.units, "leg": item.told.leg, "passive": item.told.passive,
+            "only": item.told.only, "rate": item.told.rate,
+            "convention": list(filter(None, item.told.convention.split(","))),
+            "payloads": [astuple(load) for load in item.told.payloads],
         })  # fmt: skip
     base = None if workspace.model_path is None else place.copy_base(workspace.model_path)
     content = {
@@ -65,7 +66,7 @@ def _write(workspace: Workspace, place: SessionFolder) -> None:
         "base": base, "model": workspace.model_name,
         "own_effects": list(workspace.own_texts.values()), "seed": workspace.seed, "cutoff": workspace.cutoff,
         "derivative": workspace.derivative,
-        "verdicts": [{"effects": sorted(names), "found": one} for names, one in list(workspace.verdicts.items())],
+        "verdicts": [{"effects": sorted(names), "found": entry} for names, entry in list(workspace.verdicts.items())],
     }  # fmt: skip
     before = _named(place)
     place.write(json.dumps(plain(content), indent=1, ensure_ascii=False))
@@ -83,7 +84,7 @@ def _named(place: SessionFolder) -> list[str]:
 
 def _files(content: Any) -> list[str]:
     """Return the names of the files that the content of a session.json names."""
-    entries = [name for one in content["recordings"] for name in (one["file"], *(file for file, _ in one["join"]))]
+    entries = [name for item in content["recordings"] for name in (item["file"], *(file for file, _ in item["join"]))]
     return [str(name) for name in (*entries, content["base"]) if name]
 
 
@@ -133,7 +134,7 @@ def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) ->
         raise ValueError(content["schema"])
     recordings = [_given(folder, entry) for entry in content["recordings"]]
     history = History.from_json(content["history"])
-    verdicts = {frozenset(one["effects"]): _verdict(one["found"]) for one in content["verdicts"]}
+    verdicts = {frozenset(verdict["effects"]): _verdict(verdict["found"]) for verdict in content["verdicts"]}
     if content["base"]:
         workspace.use_model(inside(folder, content["base"]), str(content["model"]))
     for entry in content["own_effects"]:
@@ -148,8 +149,8 @@ def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) ->
     if type(content["seed"]) is not int or content["seed"] < 0:
         raise ValueError("its seed is no whole number from 0 on")
     workspace.seed = content["seed"]
-    for one in recordings:
-        workspace.add_file(**one)
+    for recording in recordings:
+        workspace.add_file(**recording)
     workspace.change_history(lambda _: history)
     workspace.verdicts = verdicts
 
@@ -166,7 +167,7 @@ def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
         _texts(entry["columns"]), _texts(entry["units"]), str(entry["leg"]), ",".join(entry["convention"]),
         tuple((str(file), lag) for file, lag in lags),
         tuple(entry["passive"]),
-        tuple(Payload(*one) for one in entry["payloads"]),
+        tuple(Payload(*payload) for payload in entry["payloads"]),
         str(entry.get("only", "")),
         float(entry.get("rate", 0.0)),
     )  # fmt: skip
@@ -175,20 +176,20 @@ def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def _texts(value: Any) -> dict[str, str]:
-    return {str(key): str(one) for key, one in dict(value).items()}
+    return {str(key): str(item) for key, item in dict(value).items()}
 
 
 def _verdict(found: dict[str, Any]) -> dict[str, Any]:
     """Return a verdict of a saved session; KeyError or TypeError where it lacks what is shown of it."""
     texts = ("verdict", "sentence", "rule", "next_experiment", "stopped_because")
     entries = {"accepted": ("effect", "joint", "stability"), "possible": ("effect", "joint", "reason")}
-    shown = {key: [{name: one[name] for name in names} for one in found[key]] for key, names in entries.items()}
-    for one, kept in zip(found["accepted"], shown["accepted"], strict=True):
-        kept["sentence"] = str(one.get("sentence", ""))  # sessions of older versions lack this and the next two
+    shown = {key: [{name: item[name] for name in names} for item in found[key]] for key, names in entries.items()}
+    for effect, kept in zip(found["accepted"], shown["accepted"], strict=True):
+        kept["sentence"] = str(effect.get("sentence", ""))  # sessions of older versions lack this and the next two
     return {
         **{key: str(found[key]) for key in texts},
         **{key: str(found.get(key, "")) for key in ("headline", "sureness")},
-        "steps": [{"model": str(one["model"]), **{e: _errors(one[e]) for e in ERRORS}} for one in found["steps"]],
+        "steps": [{"model": str(step["model"]), **{e: _errors(step[e]) for e in ERRORS}} for step in found["steps"]],
         **shown,
         **({"noise_floor": _errors(found["noise_floor"])} if found.get("noise_floor") else {}),
     }
@@ -199,7 +200,7 @@ ERRORS = ("train_rms", "verify_rms")
 
 def _errors(value: Any) -> list[float] | None:
     """Return the error of each joint; None where no motion was held out."""
-    return None if value is None else [float(one) for one in value]
+    return None if value is None else [float(item) for item in value]
 
 
 def keep_in(workspace: Workspace, folder: Path) -> None:
@@ -208,6 +209,7 @@ def keep_in(workspace: Workspace, folder: Path) -> None:
 
 
 def _keep(workspace: Workspace, place: SessionFolder) -> None:
+    recent.note(place.folder)
     workspace.keeping.keep_in(place, partial(save, workspace, place.folder), partial(report, workspace))
 
 
@@ -218,12 +220,12 @@ def _held(workspace: Workspace, folder: Path) -> SessionFolder:
 
 
 def _is_empty(folder: Path) -> bool:
-    """Whether a folder holds nothing but, perhaps, a report of exoid's."""
+    """True if a folder holds nothing but, perhaps, a report of exoid's."""
     others = set(os.listdir(folder)) - {LOCK}
     return not others or (others == {REPORT} and says_so(folder / REPORT))
 
 
 def is_session(path: str | Path) -> bool:
-    """Whether a folder holds a saved session: a session.json that exoid wrote, or what is left of one."""
+    """True if a folder holds a saved session: a session.json that exoid wrote, or what is left of one."""
     place = Path(path) / SESSION
     return place.is_file() and (says_so(place) or (Path(path) / LOCK).is_file())

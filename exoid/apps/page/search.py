@@ -36,7 +36,7 @@ class BackgroundSearch:
 
     @property
     def running(self) -> bool:
-        """Whether it still runs."""
+        """True if it still runs."""
         return not self.cancelled and not self._future.done()
 
     def look(self) -> bool:

@@ -133,8 +133,8 @@ def _shown(workspace: Workspace, path: Path, name: str) -> str:
 
 def _recordings(workspace: Workspace) -> list[str]:
     """Return the recordings, and the options that say how they are read, as a command takes them."""
-    named = [(one, _shown(workspace, one.path, one.name)) for one in workspace.given]
-    out = [name for one, name in named if one.role == FIT]
+    named = [(entry, _shown(workspace, entry.path, entry.name)) for entry in workspace.given]
+    out = [name for element, name in named if element.role == FIT]
     if verify := [name for one, name in named if one.role == VERIFY]:
         out += ["--verify", *verify]
     for said in [one.told for one in workspace.given if one.told][:1]:
@@ -145,8 +145,8 @@ def _recordings(workspace: Workspace) -> list[str]:
     out += ["--only", only] if only else []
     rate = next((one.told.rate for one in workspace.given if one.told.rate), 0.0)
     out += ["--rate", f"{rate:g}"] if rate else []
-    for one, name in named:
-        told = one.told
+    for item, name in named:
+        told = item.told
         out += ["--convention", f"{name}={told.convention}"] if told.convention else []
         for file, lag in told.join:
             out += ["--join", f"{name}={file}" + ("" if lag is None else f"@{lag:g}")]
@@ -191,7 +191,7 @@ def _python(workspace: Workspace) -> str:
     lines = ["import exoid", "", f"model = exoid.read_model({path!r})" if path else "model = exoid.Model.standard()"]
     for variable, role in (("runs", FIT), ("held_out", VERIFY)):
         lines.append(f"{variable} = [")
-        lines += [f"    {_read(workspace, one)}," for one in workspace.given if one.role == role]
+        lines += [f"    {_read(workspace, entry)}," for entry in workspace.given if entry.role == role]
         lines.append("]")
     more = "" if workspace.cutoff is None else f", cutoff={workspace.cutoff!r}"
     more += "" if workspace.derivative == BUTTERWORTH else f", derivative={workspace.derivative!r}"

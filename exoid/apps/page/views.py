@@ -47,12 +47,12 @@ SURE = 1.96
 def state(workspace: Workspace) -> dict[str, Any]:
     """Return everything but the time series."""
     session, problem = workspace.session, workspace.problem or workspace.keeping.unkept
-    for one in workspace.given:
-        problem = None if problem is None else problem.about(one.name, one.path)
+    for entry in workspace.given:
+        problem = None if problem is None else problem.about(entry.name, entry.path)
     out: dict[str, Any] = {
         "version": workspace.version,
         "edits": len(workspace.edits),
-        "files": [_file(one) for one in workspace.given if not (one.is_other and _reading(workspace))],
+        "files": [_file(item) for item in workspace.given if not (item.is_other and _reading(workspace))],
         "left_out": left_out_said(workspace.left_out, len(workspace.given) + len(workspace.left_out)),
         "model": workspace.model_name or "standard leg",
         "busy": printable(workspace.busy),
@@ -78,7 +78,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
 
 def _reading(workspace: Workspace) -> bool:
     """Files are still to be read, so that nobody knows yet whether a recording is among them."""
-    return not all(one.read for one in workspace.given)
+    return not all(entry.read for entry in workspace.given)
 
 
 def details(workspace: Workspace, name: str) -> dict[str, Any]:
@@ -124,8 +124,8 @@ def _file(one: Any) -> dict[str, Any]:
 def _noted(workspace: Workspace, finding: Finding) -> str:
     """Return what the audit says, with the names of files as the user knows them."""
     text = str(finding)
-    for one in workspace.given:
-        text = text.replace(str(one.path), one.name)
+    for entry in workspace.given:
+        text = text.replace(str(entry.path), entry.name)
     return printable(text)
 
 
@@ -142,7 +142,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     after = None if judged is None or not judged.accepted else judged.steps[-1].evaluation_rms
     lengths, above = _lengths(session.model), parents(session.model.joints)
     shown = prepared.verify or prepared.train
-    signal = pooled_rms([one.torque for one in shown], shown)
+    signal = pooled_rms([item.torque for item in shown], shown)
     return {
         "joints": [
             {
@@ -163,17 +163,17 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         "judged": "unseen" if prepared.verify else "fitted",
         "recordings": [
             {
-                "name": printable(one.name),
+                "name": printable(entry.name),
                 "role": VERIFY if k >= len(prepared.train) else "fit",
                 "file": _file_of(workspace, recording),
             }
-            for k, (one, recording) in enumerate(
+            for k, (entry, recording) in enumerate(
                 zip(prepared.all, (*session.recordings, *session.verify), strict=True)
             )
         ],
         "filter": prepared.choice.reason,
         "audit": [_noted(workspace, f) for f in prepared.findings if f.severity != "info"],
-        "forces": [printable(one.sentence) for one in _forces(now or session.fitted())],
+        "forces": [printable(force.sentence) for force in _forces(now or session.fitted())],
         "fitted": now is not None,
         "key": ",".join(names) if now is not None else f"{','.join(names)}?",
         "failed": None if names not in workspace.failed else error_json(workspace.failed[names]),
@@ -183,7 +183,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         "ranking": None if ranking is None else {
             "weighed": ranking.weighed, "finished": ranking.finished,
             "suspects": best_first(
-                (_as_judged(_suspect(ranking, one), judged) for one in ranking.scores),
+                (_as_judged(_suspect(ranking, score), judged) for score in ranking.scores),
                 lambda one: one["sureness"], lambda one: one["share"] or 0.0,
             ),
         },
@@ -198,7 +198,7 @@ def _forces(now: FittedModel) -> tuple[ForceUse, ...]:
 
 def _file_of(workspace: Workspace, recording: Recording) -> int | None:
     """Return the number of the file in which a recording stands."""
-    held = (one.id for one in workspace.given if any(r.source == recording.source for r in one.recordings))
+    held = (entry.id for entry in workspace.given if any(r.source == recording.source for r in entry.recordings))
     return next(held, None)
 
 
@@ -272,7 +272,7 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
         return {
             "proposed": judged is not None,
             "steps": [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in found["steps"]],
-            "accepted": [{"name": term(one), "title": _called(workspace, one)} for one in found["accepted"]],
+            "accepted": [{"name": term(effect), "title": _called(workspace, effect)} for effect in found["accepted"]],
             "kind": found["verdict"],
             "headline": found.get("headline", ""),
             "sureness": found.get("sureness", ""),
@@ -280,9 +280,9 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
             "why": found["rule"],
             "next": found["next_experiment"],
             "stability": [
-                f"{_called(workspace, one)}: {one['stability']}" for one in found["accepted"] if one["stability"]
+                f"{_called(workspace, item)}: {item['stability']}" for item in found["accepted"] if item["stability"]
             ],
-            "possible": [f"{_called(workspace, one)}: {one['reason']}" for one in found["possible"]],
+            "possible": [f"{_called(workspace, entry)}: {entry['reason']}" for entry in found["possible"]],
             "judged": True,
         }
     if names in workspace.failed:
@@ -305,7 +305,7 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
 
 def _further(found: Mapping[str, Any]) -> str:
     """Return what the sentence of an answer says beyond its headline."""
-    named = "; ".join(one.get("sentence", "") for one in found["accepted"])
+    named = "; ".join(effect.get("sentence", "") for effect in found["accepted"])
     return str(found["sentence"]).removeprefix(f"Missing: {named}. ")
 
 
@@ -342,7 +342,7 @@ def _as_judged(suspect: dict[str, Any], judged: Diagnosis | None) -> dict[str, A
     """Return a suspect with the share and the word that the answer has for it, where there is one."""
     if judged is None:
         return suspect
-    said = {one.name: one for one in judged.suspects}.get(suspect["name"])
+    said = {item.name: item for item in judged.suspects}.get(suspect["name"])
     return {**suspect, "sureness": ""} if said is None else {
         **suspect, "share": said.explained_share, "sureness": said.sureness
     }  # fmt: skip

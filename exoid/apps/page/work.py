@@ -54,12 +54,12 @@ def _work(space: Workspace) -> None:
 
 def _next(space: Workspace) -> Callable[[], object] | None:
     """Return what is to be done first; None where there is nothing to do."""
-    unread = [one for one in space.given if not one.read]
+    unread = [entry for entry in space.given if not entry.read]
     if unread:
         space.busy = f"reading {unread[0].name}"
         return lambda: _read(space, unread[0])
     if space.stale:
-        space.busy = "filtering the recordings" if any(one.role == FIT for one in space.given) else ""
+        space.busy = "filtering the recordings" if any(item.role == FIT for item in space.given) else ""
         return lambda: _rebuild(space)
     session = space.session
     if session is None or space.problem is not None:
@@ -119,7 +119,7 @@ def _rebuild(space: Workspace) -> None:
 
 def _recordings(space: Workspace, role: str) -> list[Any]:
     """Return the recordings of a role, each under a name of its own."""
-    return [recording for one in space.given if one.role == role for recording in one.recordings]
+    return [recording for entry in space.given if entry.role == role for recording in entry.recordings]
 
 
 def _fit(space: Workspace, session: Session, names: Names) -> None:

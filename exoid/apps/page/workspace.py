@@ -122,7 +122,7 @@ class Workspace:
 
     @property
     def closed(self) -> bool:
-        """Whether it is closed."""
+        """True if it is closed."""
         return self._closed
 
     def touch(self, changed: bool = False) -> None:
@@ -154,7 +154,7 @@ class Workspace:
 
     def hold_out_last(self, ids: Sequence[int]) -> None:
         """Hold out the last of these files that is open, of three or more."""
-        there = [one.id for one in self.given if one.id in ids]
+        there = [entry.id for entry in self.given if entry.id in ids]
         if len(there) > 2:
             self.use_as(there[-1], VERIFY)
 
@@ -163,13 +163,13 @@ class Workspace:
 
         Where the only file held out goes, the last of three or more is held out instead, as when they were dropped.
         """
-        others = [one for one in self.given if one.is_other]
-        rest = [one for one in self.given if not one.is_other]
+        others = [entry for entry in self.given if entry.is_other]
+        rest = [item for item in self.given if not item.is_other]
         if not others or not all(one.read for one in self.given) or not any(one.recordings for one in rest):
             return
         self.given = rest
-        self.left_out |= {one.name: one.error.kind for one in others if isinstance(one.error, RecordingError)}
-        held = any(one.role == VERIFY for one in others) and not any(one.role == VERIFY for one in rest)
+        self.left_out |= {other.name: other.error.kind for other in others if isinstance(other.error, RecordingError)}
+        held = any(element.role == VERIFY for element in others) and not any(one.role == VERIFY for one in rest)
         if held and len(rest) > 2:
             rest[-1] = replace(rest[-1], role=VERIFY)
         self._delete_dropped(others)
@@ -191,9 +191,9 @@ class Workspace:
 
     def find(self, id: int) -> Given:
         """Return the file with that number; RecordingError where there is none."""
-        for one in self.given:
-            if one.id == id:
-                return one
+        for entry in self.given:
+            if entry.id == id:
+                return entry
         raise RecordingError("this recording is not open any more", remedy="reload the page")
 
     def use_as(self, id: int, role: str) -> None:
@@ -241,7 +241,7 @@ class Workspace:
 
     def _read_again(self) -> None:
         """Read the files again that wait for an answer."""
-        self.given = [one if one.error is None else replace(one, read=False, error=None) for one in self.given]
+        self.given = [entry if entry.error is None else replace(entry, read=False, error=None) for entry in self.given]
 
     def clear(self) -> None:
         """Close everything: files, model, effects and what was done."""
@@ -256,8 +256,8 @@ class Workspace:
 
     def _delete_dropped(self, closed: Sequence[Given]) -> None:
         """Delete the files of recordings that were dropped here and are not open any more."""
-        still = {path for one in self.given for path in one.files}
-        for path in {path for one in closed for path in one.files} - still:
+        still = {path for entry in self.given for path in entry.files}
+        for path in {path for item in closed for path in item.files} - still:
             if is_inside(path, self.place):
                 with contextlib.suppress(OSError):  # Windows does not delete what is being read
                     path.unlink()
@@ -277,7 +277,7 @@ class Workspace:
 
     def _free(self, name: str) -> str:
         """Return a name that no other file has."""
-        taken = {one.name for one in self.given}
+        taken = {entry.name for entry in self.given}
         stem, dot, suffix = name.rpartition(".")
         count, free = 1, name
         while free in taken:
@@ -308,7 +308,7 @@ class Workspace:
         model = read_model(path)
         with self.change:
             self._model, self.model_path, self.model_name = model, path, files.shown_name(name)
-            self.given = [replace(one, read=False, recordings=(), error=None) for one in self.given]
+            self.given = [replace(entry, read=False, recordings=(), error=None) for entry in self.given]
             self._begin_anew()
         self.touch(changed=True)
 

@@ -43,7 +43,7 @@ class PaperItem(AsJson):
 
     @property
     def printed(self) -> bool:
-        """Whether it has a number in the paper, or one that is known here."""
+        """True if it has a number in the paper, or one that is known here."""
         return self.numbers[0].isdecimal()
 
     @property
@@ -135,5 +135,5 @@ def item_order(item: PaperItem) -> tuple[int, int, str]:
 
 
 def is_file(name: str) -> bool:
-    """Return whether a module of the folder is called as an item is."""
+    """True if a module of the folder is called as an item is."""
     return re.fullmatch(rf"({'|'.join(KINDS)})(_\d+)+|({'|'.join(KINDS)})_[a-z]+", name) is not None

@@ -16,8 +16,8 @@ HEADS = {"figure": "Figures", "table": "Tables", "equation": "Equations"}
 def page_of(found: Reproduced) -> str:
     """Return the page: all verdicts in one table, then each item with its command, its tables and its pictures."""
     rows = [
-        f"| [{one.item.name}](#{anchor(one)}) | {one.item.title} | **{one.answer.holds}** |"
-        for one in found.answered
+        f"| [{item.item.name}](#{anchor(item)}) | {item.item.title} | **{item.answer.holds}** |"
+        for item in found.answered
     ]
     parts = [
         "# The paper, reproduced and assessed",
@@ -28,11 +28,11 @@ def page_of(found: Reproduced) -> str:
         "## What holds\n\n| item | about | the paper |\n| --- | --- | --- |\n" + "\n".join(rows),
     ]
     kind = ""
-    for one in found.answered:
-        if one.item.kind != kind:
-            kind = one.item.kind
+    for answer in found.answered:
+        if answer.item.kind != kind:
+            kind = answer.item.kind
             parts.append(f"## {HEADS[kind]}")
-        parts.append(section(one))
+        parts.append(section(answer))
     return "\n\n".join(parts) + "\n"
 
 
@@ -67,7 +67,7 @@ def pictures_in(found: Reproduced) -> dict[str, bytes]:
     """Return {file name: PNG} of all pictures."""
     from exoid.ground.figures import to_png
 
-    return {name: to_png(picture.figure, dpi=DPI) for one in found.answered for name, picture in _named(one)}
+    return {name: to_png(picture.figure, dpi=DPI) for answer in found.answered for name, picture in _named(answer)}
 
 
 def _named(one: Answered) -> Iterator[tuple[str, PaperPicture]]:

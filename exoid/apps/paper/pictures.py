@@ -46,12 +46,12 @@ def ratio_figure(ratios: Mapping[str, Mapping[str, Sequence[float]]], printed: f
     with figure_style():
         figure = new_figure(7.0, 3.0)
         axes = figure.subplots()
-        for row, one in enumerate(ratios.values()):
+        for row, ratio in enumerate(ratios.values()):
             for against, marker, colour, shift in (
                 ("measured", "o", OKABE_ITO["purple"], 0.14), ("true", "s", OKABE_ITO["blue"], -0.14),
             ):  # fmt: skip
                 text = f"against the {against} torque" if row == 0 else None
-                x = one[against]
+                x = ratio[against]
                 axes.plot(x, np.full(len(x), row + shift), marker, color=colour, alpha=0.6, label=text)
         axes.axvline(1.0, color=FAINT, linewidth=0.8)
         axes.axvline(printed, color=INK, linewidth=1.0, linestyle="--", label=f"the paper: {printed}")
@@ -101,7 +101,7 @@ def _lines(axes: Axes, lines: Lines) -> None:
         if not np.isfinite(middle).any():
             axes.plot([], [], color=colour, linestyle=dash, label=f"{name}: ∞ throughout")
             continue
-        low, middle, high = (np.where(np.isfinite(one), one, np.nan) for one in (low, middle, high))
+        low, middle, high = (np.where(np.isfinite(item), item, np.nan) for item in (low, middle, high))
         axes.plot(x, middle, color=colour, linestyle=dash, label=name)
         axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0)
 
@@ -113,9 +113,9 @@ def criteria_figure(scores: Mapping[str, Mapping[str, float]]) -> Figure:
         axes = figure.subplots()
         measures = list(next(iter(scores.values())))
         wide = 0.8 / len(scores)
-        for k, ((name, one), colour) in enumerate(zip(scores.items(), COLOURS, strict=False)):
+        for k, ((name, item), colour) in enumerate(zip(scores.items(), COLOURS, strict=False)):
             place = np.arange(len(measures)) + (k - 0.5 * (len(scores) - 1)) * wide
-            axes.bar(place, list(one.values()), width=0.92 * wide, color=colour, label=name)
+            axes.bar(place, list(item.values()), width=0.92 * wide, color=colour, label=name)
         axes.axhline(1.0, color=INK, linewidth=0.8)
         axes.set_xticks(range(len(measures)), measures)
         axes.set(ylabel="times the best motion's", ylim=(0.9, None))

@@ -46,7 +46,7 @@ class Reproduced(AsJson):
     seconds: float = field(default=0.0, repr=False)
 
     def __repr__(self) -> str:
-        return "\n".join(one.line for one in self.answered)
+        return "\n".join(answer.line for answer in self.answered)
 
     def _repr_html_(self) -> str:
         head = ("item", "the paper says", "here", "it", "why not")

@@ -60,7 +60,7 @@ class FmuModel:
 
     def of(self, *roles: str) -> list[int]:
         """Return the value references of the variables in these roles."""
-        return [k for k, one in enumerate(self.variables, 1) if one.role in roles]
+        return [k for k, variable in enumerate(self.variables, 1) if variable.role in roles]
 
 
 def fmu_bytes(model: FmuModel, version: str) -> bytes:
@@ -94,7 +94,7 @@ def _source(model: FmuModel, version: str) -> str:
     """Return the C of the FMU: the model's glue with the functions of this version of FMI."""
     states, rates = model.of(STATE), model.of(RATE)
     headers = "\n".join(f'#include "{name}"' for name in sorted(model.sources) if name.endswith(".h"))
-    start = ", ".join(["0.0", *(repr(float(one.start)) for one in model.variables)])
+    start = ", ".join(["0.0", *(repr(float(variable.start)) for variable in model.variables)])
     here = Path(__file__)
     text = filled(here.with_name("fmu_model.c.in").read_text("utf-8"), {
         "INTERFACE": here.with_name(f"fmi{version[0]}.c.in").read_text("utf-8").rstrip(),
@@ -134,7 +134,7 @@ def _binary(model: FmuModel, sources: Mapping[str, str], version: str) -> dict[s
 def _units(model: FmuModel) -> str:
     """Return the definitions of all units, the same in both versions."""
     lines = []
-    for unit in sorted({one.unit for one in model.variables} | {"s"}):
+    for unit in sorted({variable.unit for variable in model.variables} | {"s"}):
         powers = dict(zip(BASE, dimension(unit, unit).powers, strict=True))
         powers["rad"] = unit.startswith("rad") - unit.count("/rad")
         told = "".join(f' {name}="{int(power)}"' for name, power in powers.items() if power)
@@ -180,12 +180,12 @@ def _description_2(model: FmuModel, compiled: Sequence[str]) -> str:
         '    <ScalarVariable name="time" valueReference="0" causality="independent" variability="continuous">'
         '<Real unit="s"/></ScalarVariable>'
     ]
-    for k, one in enumerate(model.variables, 1):
-        start = f' start="{one.start!r}"' if one.role in (INPUT, STATE) else ""
-        rate = f' derivative="{states[k - first[0]] + 1}"' if one.role == RATE else ""
+    for k, item in enumerate(model.variables, 1):
+        start = f' start="{item.start!r}"' if item.role in (INPUT, STATE) else ""
+        rate = f' derivative="{states[k - first[0]] + 1}"' if item.role == RATE else ""
         lines.append(
-            f'    <ScalarVariable name={quoteattr(one.name)} valueReference="{k}" {_traits(model, one)} '
-            f"description={quoteattr(one.about)}><Real unit={quoteattr(one.unit)}{start}{rate}/></ScalarVariable>"
+            f'    <ScalarVariable name={quoteattr(item.name)} valueReference="{k}" {_traits(model, item)} '
+            f"description={quoteattr(item.about)}><Real unit={quoteattr(item.unit)}{start}{rate}/></ScalarVariable>"
         )
 
     def listed(head: str, places: Sequence[int]) -> list[str]:
@@ -210,12 +210,12 @@ def _description_3(model: FmuModel, compiled: Sequence[str]) -> str:
     """Return the modelDescription.xml of FMI 3.0."""
     states, first = model.of(STATE), model.of(RATE)[:1]
     lines = ['    <Float64 name="time" valueReference="0" causality="independent" variability="continuous" unit="s"/>']
-    for k, one in enumerate(model.variables, 1):
-        start = f' start="{one.start!r}"' if one.role in (INPUT, STATE) else ""
-        rate = f' derivative="{states[k - first[0]]}"' if one.role == RATE else ""
+    for k, variable in enumerate(model.variables, 1):
+        start = f' start="{variable.start!r}"' if variable.role in (INPUT, STATE) else ""
+        rate = f' derivative="{states[k - first[0]]}"' if variable.role == RATE else ""
         lines.append(
-            f'    <Float64 name={quoteattr(one.name)} valueReference="{k}" {_traits(model, one)} '
-            f"description={quoteattr(one.about)} unit={quoteattr(one.unit)}{start}{rate}/>"
+            f'    <Float64 name={quoteattr(variable.name)} valueReference="{k}" {_traits(model, variable)} '
+            f"description={quoteattr(variable.about)} unit={quoteattr(variable.unit)}{start}{rate}/>"
         )
     structure = [f'    <Output valueReference="{k}"/>' for k in model.of(STATE, RATE, OUTPUT)]
     structure += [f'    <ContinuousStateDerivative valueReference="{k}"/>' for k in model.of(RATE)]

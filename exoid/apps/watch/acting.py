@@ -26,12 +26,12 @@ class Applied:
     @property
     def labels(self) -> set[str]:
         """The names of what changed."""
-        return {one.name for one in self.found}
+        return {item.name for item in self.found}
 
     @property
     def lasting(self) -> Applied | None:
         """That part of it which no number of the model takes up, None where there is none."""
-        found = tuple(one for one in self.found if one.kind not in ("number", "load"))
+        found = tuple(item for item in self.found if item.kind not in ("number", "load"))
         return replace(self, found=found) if found else None
 
 
@@ -52,8 +52,8 @@ def already(applied: Sequence[Applied]) -> dict[str, Float]:
     """Return by how much each thing differs already, {name: its numbers}."""
     out: dict[str, Float] = {}
     for change in applied:
-        for one in change.found:
-            size = np.array([e.value for e in one.change])
-            known = out.get(one.name)
-            out[one.name] = size if known is None or known.size != size.size else known + size
+        for item in change.found:
+            size = np.array([e.value for e in item.change])
+            known = out.get(item.name)
+            out[item.name] = size if known is None or known.size != size.size else known + size
     return out

@@ -43,7 +43,7 @@ class Deviation:
 
     @property
     def alarms(self) -> bool:
-        """Whether it exceeds the limit."""
+        """True if it exceeds the limit."""
         return self.size > self.limit
 
 
@@ -116,7 +116,7 @@ class Detector:
         return Deviation(best.size, best.column, best.span, limit)
 
     def onset(self, column: int) -> int:
-        """Return how many of the last blocks the change of a column has lasted: the split that is most likely."""
+        """Number of the last blocks that the change of a column has lasted: the most likely split."""
         _, middle, spread = self._usual()
         gain = []
         recent = list(self.recent)

@@ -53,7 +53,7 @@ class Blocks:
 
     @property
     def fresh(self) -> bool:
-        """Whether the rate has been told since this was asked last: at the beginning, and after a jump of the clock."""
+        """True if the rate has been told since this was asked last: at the beginning, and after a jump of the clock."""
         if self.front.filters is None or self.front.restarts == self.started:
             return False
         self.started = self.front.restarts
@@ -61,7 +61,7 @@ class Blocks:
 
     @property
     def lost(self) -> dict[str, int]:
-        """How many samples were passed over, and why."""
+        """Numbers of samples that were passed over, by reason."""
         gate, front = self.gate, self.front
         return {
             "not_finite": gate.not_finite, "not_credible": gate.not_credible, "not_later": front.late,

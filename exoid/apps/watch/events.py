@@ -47,7 +47,7 @@ class Event:
 
     @property
     def alarm(self) -> bool:
-        """Whether it says that something is not as it was."""
+        """True if it says that something is not as it was."""
         return self.event in ALARMS
 
     @property

@@ -77,7 +77,7 @@ def watch(model: Any, samples: Any, *further: Any, **options: Any) -> Waterfall 
     `watch(model, extended, recordings, verify)`.
     """
     if isinstance(samples, (Model, Fit)):
-        together = 1 + sum(isinstance(one, (Model, Fit)) for one in further)
+        together = 1 + sum(isinstance(item, (Model, Fit)) for item in further)
         models: list[Any] = [model, samples, *further[: together - 1]]
         return fit_in_turn(models, *further[together - 1 :], **options)
     if isinstance(model, (Model, Fit, str, Path)):

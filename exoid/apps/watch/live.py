@@ -366,12 +366,12 @@ def _most_cells(line: str) -> list[str]:
 
 
 def _known(line: str, joints: Sequence[Joint]) -> int:
-    """Return how many cells of a line are names of columns that a recording may have."""
+    """Number of cells of a line that name columns a recording may have."""
     return sum(recognise(split_unit(cell)[0], tuple(joints)) is not None for cell in _most_cells(line))
 
 
 def _is_row(line: str) -> bool:
-    """Whether most cells of a line are numbers, with any delimiter."""
+    """True if most cells of a line are numbers, with any delimiter."""
     try:
         sniff(line + "\n", where="")
     except RecordingError:

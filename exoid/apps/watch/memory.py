@@ -36,7 +36,7 @@ class Memory:
         """Return the last windows before those `after`, without the one at the seam, which may hold both; none where
         the clock was set back.
         """
-        return [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
+        return [sample for sample in self.recent if sample.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
 
     def begin_at(self, one: Window) -> None:
         """Forget the last windows before `one`: what was so while they lasted is over."""

@@ -61,13 +61,13 @@ class FollowedNumbers:
     def changed(self, found: tuple[ChangeFound, ...], since: Onset) -> None:
         """Forget what has changed `since` then, and follow what came."""
         moments = list(self.past)
-        first = next((k for k, one in enumerate(moments) if one.window.t[-1] > since.low), len(moments))
+        first = next((k for k, entry in enumerate(moments) if entry.window.t[-1] > since.low), len(moments))
         again = moments[first:]
         if again:
             self.estimator, self.followed = deepcopy(again[0].estimator), again[0].followed
             self.past = deque(moments[:first], maxlen=self.past.maxlen)
-        for one in found:
-            self._forget(one)
+        for item in found:
+            self._forget(item)
         for moment in again:
             if moment.window.t[0] >= since.high - 1.0:  # what is mixed says nothing of either
                 self.take(moment.window)

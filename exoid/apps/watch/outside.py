@@ -126,7 +126,7 @@ class Outside:
         )) if self.usual and still else self.model  # fmt: skip
 
     def awake(self, learnt: Model, one: Window) -> bool:
-        """Whether a force acts in a window that never did where `learnt` was learnt: its place is to be learnt now."""
+        """True if a force acts in a window that never did where `learnt` was learnt: its place is to be learnt now."""
         if not self.usual or learnt is self.model:
             return False
         still = self._still([one])
@@ -135,7 +135,7 @@ class Outside:
 
     def _still(self, some: Sequence[Window]) -> set[str]:
         """Return the channels that do not change in windows."""
-        parts = [one.motion.force for one in some if one.motion.force is not None]
+        parts = [item.motion.force for item in some if item.motion.force is not None]
         if not parts:
             return set()
         whole = np.concatenate(parts)

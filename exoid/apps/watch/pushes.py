@@ -53,7 +53,7 @@ class Push:
 
     @property
     def lasts(self) -> bool:
-        """Whether it lasts as long as pushes do."""
+        """True if it lasts as long as pushes do."""
         return SHORTEST <= self.until - self.since <= LONGEST
 
     def event(self, t: float, joints: Sequence[Joint]) -> Event:
@@ -129,18 +129,18 @@ class Pushes:
 
     def _over(self, t: float) -> list[Push]:
         """Return those seen that are over at `t` s; what lasts longer than a push, or not as long, is forgotten."""
-        self.seen = [one for one in self.seen if one.until >= t - AROUND or one.lasts]
-        return [one for one in self.seen if one.until < t - AROUND]
+        self.seen = [item for item in self.seen if item.until >= t - AROUND or item.lasts]
+        return [entry for entry in self.seen if entry.until < t - AROUND]
 
     def _said(self, found: Sequence[Push], t: float) -> list[Event]:
-        self.seen = [one for one in self.seen if one not in found]
+        self.seen = [item for item in self.seen if item not in found]
         if len(found) >= SEVERAL:
             return [again_and_again(found, t, self.joints)]
-        return [one.event(t, self.joints) for one in found]
+        return [entry.event(t, self.joints) for entry in found]
 
     def since(self, t: float) -> int:
-        """Return how many there were since `t` s, told or not."""
-        return sum(one.since >= t and one.lasts for one in (*self.told, *self.seen))
+        """Number of events since `t` s, told or not."""
+        return sum(item.since >= t and item.lasts for item in (*self.told, *self.seen))
 
     def left_out(self, one: Window) -> Window:
         """Return a window whose samples during told pushes are not used."""

@@ -53,7 +53,7 @@ class Replay(AsJson):
         return "\n".join(map(repr, self.events))
 
     def _repr_html_(self) -> str:
-        return bullets([repr(one) for one in self.events]) + "".join(picture(f, alt) for _, alt, f in self.figures())
+        return bullets([repr(item) for item in self.events]) + "".join(picture(f, alt) for _, alt, f in self.figures())
 
     @property
     def numbers(self) -> dict[str, dict[str, Any]]:
@@ -70,7 +70,7 @@ class Replay(AsJson):
 
     def plot(self) -> Figure:
         """Draw every number over time with its interval, and when something changed."""
-        marks = [(one.since.low, one.since.high, one.t) for one in self.events if one.since is not None]
+        marks = [(event.since.low, event.since.high, event.t) for event in self.events if event.since is not None]
         return numbers_figure(self.t, self.names, self.units, self.values, self.low, self.high, marks)
 
     def _json(self) -> dict[str, Any]:

@@ -69,17 +69,17 @@ class WatchState:
         """Return what is known of a `model`: the windows that said what is usual, what has changed, the numbers."""
         estimator = numbers.estimator
         arrays = {f"estimator.{name}": np.array(getattr(estimator, name), dtype=float) for name in OF_ESTIMATOR}
-        for k, one in enumerate(first):
-            m = one.motion
-            parts = {"t": m.t, "q": m.q, "dq": m.dq, "ddq": m.ddq, "tau": one.wide_tau, "good": one.weights}
+        for k, item in enumerate(first):
+            m = item.motion
+            parts = {"t": m.t, "q": m.q, "dq": m.dq, "ddq": m.ddq, "tau": item.wide_tau, "good": item.weights}
             parts |= {} if m.force is None else {"force": m.force}
             arrays |= {f"window{k}.{name}": value for name, value in parts.items()}
-            arrays[f"window{k}.torque"] = one.torque
+            arrays[f"window{k}.torque"] = item.torque
         about = {
             "schema": SCHEMA, "model": model_key(model), "name": model.name, "block": settings.block,
-            "cutoff": settings.cutoff, "rate": first[0].full_rate, "lead": [int(one.kept[0]) for one in first],
+            "cutoff": settings.cutoff, "rate": first[0].full_rate, "lead": [int(entry.kept[0]) for entry in first],
             "numbers": list(estimator.names), "units": list(estimator.units), "pace": list(map(float, estimator.pace)),
-            "inside": estimator.inside, "followed": [_plain(one) for one in numbers.followed],
+            "inside": estimator.inside, "followed": [_plain(element) for element in numbers.followed],
             "changes": [_told(one) for change in changes for one in change.found],
         }  # fmt: skip
         return cls(arrays, about)
@@ -145,14 +145,14 @@ class WatchState:
 
     def changes(self, usual: Usual) -> list[Applied]:
         """Return what had changed, as it acts on what comes."""
-        found = tuple(_change(one, usual) for one in self.about["changes"])
+        found = tuple(_change(change, usual) for change in self.about["changes"])
         return [Applied(found, EVER, SPANS[-1], True)] if found else []
 
     def numbers(self, fresh: Estimator, usual: Usual) -> FollowedNumbers:
         """Return the numbers as they were followed; `fresh` is an estimator that knows nothing yet."""
         about = self.about
         kept = {name: self.arrays.get(f"estimator.{name}") for name in OF_ESTIMATOR}
-        values = {name: one.copy() for name, one in kept.items() if one is not None}  # earlier files have fewer
+        values = {name: item.copy() for name, item in kept.items() if item is not None}  # earlier files have fewer
         made = Estimator(
             tuple(about["numbers"]), tuple(about["units"]), np.array(about["pace"]), fresh.block, fresh.follow,
             fresh.unit, values["root"], values["right"], values["linear"], values["variance"],
@@ -160,7 +160,7 @@ class WatchState:
         for name in OF_ESTIMATOR[4:]:
             setattr(made, name, values.get(name, getattr(made, name)))
         made.scale, made.inside = values["scale"].tolist(), about["inside"]
-        return FollowedNumbers(made, usual.now, tuple(_acting(one, usual) for one in about["followed"]))
+        return FollowedNumbers(made, usual.now, tuple(_acting(entry, usual) for entry in about["followed"]))
 
 
 def _damaged(where: str) -> StateError:

@@ -53,15 +53,15 @@ class Usual:
         return scores(self.watched.columns(one, block.columns), block.residual, block.use, self.scale, block)
 
     def grown_in(self, one: Window) -> Float:
-        """Return how many times the usual error (J,) there is in a window."""
+        """Error of a window as a multiple of the usual error (J,)."""
         return self.grown(pooled_rms([self.now.block_of(one).residual], [one]))
 
     def grown(self, rms: Sequence[float] | Float) -> Float:
-        """Return how many times the usual error (J,) an error is."""
+        """Error as a multiple of the usual error (J,)."""
         return np.array(rms) / np.maximum(self.rms, 1e-300)
 
     def explains(self, answer: Differences) -> bool:
-        """Whether what was found explains what has grown, at every joint."""
+        """True if what was found explains what has grown, at every joint."""
         grown, left = self.grown(answer.rms_after), self.grown(answer.rms_named)
         rest = (left**2 - 1.0) / np.maximum(grown**2 - 1.0, 1e-300)
         return bool(np.all((left <= GROWN) | (rest <= REST)))
@@ -77,16 +77,16 @@ def learned(
     """
     question = prepared(model.joints, usual)
     now = fitted_model(identify(model, question.train, optimisers=()), question)
-    blocks = [now.block_of(one) for one in kept]
+    blocks = [now.block_of(entry) for entry in kept]
     scale = now.scale
     may = questions(now, [b.columns for b in blocks], len(blocks), extra, always=False)
     watched = Watched(may, now)
     found, chance = [], []
-    for one, block in zip(kept, blocks, strict=True):
-        columns = watched.columns(one, block.columns)
+    for item, block in zip(kept, blocks, strict=True):
+        columns = watched.columns(item, block.columns)
         found.append(scores(columns, block.residual, block.use, scale, block))
         chance.append(placebos(columns, block.residual, block, scale, settings.placebos, rng))
     detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
-    asked = {one.name: one for one in may.candidates if isinstance(one, Asked)}
+    asked = {candidate.name: candidate for candidate in may.candidates if isinstance(candidate, Asked)}
     largest = np.max([np.max(np.abs(b.residual) * b.use, axis=1) for b in blocks], axis=0)
     return Usual(now, watched, detector, scale, now.train_rms, largest, asked)

@@ -18,11 +18,11 @@ class Watched:
 
     def __init__(self, questions: Questions, now: FittedModel) -> None:
         self.now = now
-        self.asked = [(one, _some(one.nodes[0])) for one in questions.candidates if isinstance(one, Asked)]
+        self.asked = [(item, _some(item.nodes[0])) for item in questions.candidates if isinstance(item, Asked)]
 
     def columns(self, window: Window, base: Float) -> Float:
         """Return the columns (C, J, K) on a window, on which those of the model are `base` (J, K, P)."""
-        return np.concatenate([self._of(one, nodes, window, base) for one, nodes in self.asked])
+        return np.concatenate([self._of(item, nodes, window, base) for item, nodes in self.asked])
 
     def _of(self, one: Asked, nodes: Float, window: Window, base: Float) -> Float:
         found = columns_on(one, nodes, window, base, self.now)

@@ -87,7 +87,7 @@ class Watcher:
         rows = np.atleast_2d(np.asarray(samples, dtype=float))
         if not rows.size:
             return []
-        events = [event for one in self.stream.push(self.outside.arranged(rows)) for event in self._block(one)]
+        events = [event for item in self.stream.push(self.outside.arranged(rows)) for event in self._block(item)]
         if self.stream.fresh:
             needed = self.settings.learn * self.settings.block
             events.insert(0, wording.start_event(self.stream.front, self.model.joint_names, needed))
@@ -96,9 +96,9 @@ class Watcher:
     def finish(self) -> list[Event]:
         """Return what the end of the stream still causes, the summary last."""
         events = self.stream.gate.finish()
-        events += [event for one in self.stream.finish() for event in self._block(one)]
-        for one in [one for one in self.applied if not one.refined]:
-            events += self._refine(one)
+        events += [event for item in self.stream.finish() for event in self._block(item)]
+        for element in [entry for entry in self.applied if not entry.refined]:
+            events += self._refine(element)
         self._count(events)
         seconds = 0.0 if self.stream.first is None else self.last - self.stream.first
         estimates = () if self.numbers is None else self.numbers.estimates()
@@ -114,17 +114,17 @@ class Watcher:
 
     @property
     def blocks(self) -> int:
-        """How many blocks have been judged."""
+        """Number of blocks that have been judged."""
         return self.stream.count
 
     @property
     def changed(self) -> tuple[str, ...]:
         """What differs now from what is usual, by name."""
-        return tuple(dict.fromkeys(one.name for c in (*self.lasting, *self.applied) for one in c.found))
+        return tuple(dict.fromkeys(item.name for c in (*self.lasting, *self.applied) for item in c.found))
 
     @property
     def looked(self) -> bool:
-        """Whether changes were looked for: what is usual was known at some time."""
+        """True if changes were looked for: what is usual was known at some time."""
         return self.counts.get("reference", 0) > 0
 
     def state(self) -> WatchState | None:
@@ -135,9 +135,9 @@ class Watcher:
         return WatchState.of(self.model, self.settings, self.memory.first, changes, self.numbers)
 
     def _count(self, events: list[Event]) -> list[Event]:
-        for one in events:
-            self.found += one.event == "change" and one.more.get("state") == "first"
-            self.counts[one.event] = self.counts.get(one.event, 0) + 1
+        for event in events:
+            self.found += event.event == "change" and event.more.get("state") == "first"
+            self.counts[event.event] = self.counts.get(event.event, 0) + 1
         return events
 
     # -- blocks -----------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ class Watcher:
         if not self.applied or self.pending is not None or not all(c.refined for c in self.applied):
             return []
         since = max(c.since.high for c in self.applied)
-        last = [one for one in self.memory.recent if one.t[0] > since]
+        last = [sample for sample in self.memory.recent if sample.t[0] > since]
         if len(last) < min(self.settings.learn, SPANS[-1]):
             return []
         self._relearn(last)
@@ -216,8 +216,8 @@ class Watcher:
         now = self.reference.now
         if self.numbers is None:
             self.numbers = FollowedNumbers.started(now, self.reference.scale, self.kept[0].kept_rate, settings.pace)
-            for one in self.kept:
-                self.numbers.take(one)
+            for item in self.kept:
+                self.numbers.take(item)
         self.numbers.now = now
         self.memory.learnt(self.kept, usual)
         count, self.kept = len(self.kept), []
@@ -263,7 +263,7 @@ class Watcher:
         since = wording.onset_of(answer, last, self.begun) if answer.found else None
         if since is not None and not since.slow and since.t > last[0].t[0] + 0.5 * settings.block:
             # What was taken for after holds some of before.
-            last = [one for one in last if one.t[0] > since.t - 0.5 * settings.block]
+            last = [entry for entry in last if entry.t[0] > since.t - 0.5 * settings.block]
             if len(last) < settings.least - 1:
                 pending.wait = 1
                 return []
@@ -288,15 +288,15 @@ class Watcher:
             return events
         self.pending = None
         detector.calm()
-        for one in last:
-            self.memory.remember(self._as_usual(one), self.blocks)
+        for item in last:
+            self.memory.remember(self._as_usual(item), self.blocks)
         return [wording.calm_event(self.last, answer)]
 
     def _named(self, answer: Differences, pending: Pending, last: Sequence[Window]) -> list[Event]:
         """Say what has changed, forget it, and go on watching for what else changes."""
         assert self.reference is not None and self.numbers is not None
         self.pending = None
-        again = next((c for c in self.applied if c.labels & {one.name for one in answer.found}), None)
+        again = next((c for c in self.applied if c.labels & {item.name for item in answer.found}), None)
         if again is not None and again.age < SPANS[-1] // 2:
             return self._refine(again)  # the first seconds said little of how large it is
         when = wording.onset_of(answer, last, self.begun)
@@ -331,12 +331,12 @@ class Watcher:
         fresh = [c for c in self.applied if not c.refined]
         for change in fresh:
             since = change.since.t - 0.5 * self.settings.block
-            last = [one for one in self.memory.recent if one.t[0] > since]
+            last = [sample for sample in self.memory.recent if sample.t[0] > since]
             if len(last) - lasted >= self.settings.least:  # else what lasts began with the change itself
                 last = last[:-lasted]
             if len(last) >= self.settings.least:
                 answer = self._ask(last, MOST, change)
-                if change.labels & {one.name for one in answer.found} and self.reference.explains(answer):
+                if change.labels & {item.name for item in answer.found} and self.reference.explains(answer):
                     change.found = answer.found
         if fresh:
             self._rescore()
@@ -348,7 +348,7 @@ class Watcher:
         recent = self.reference.detector.recent
         last = list(self.memory.recent)[len(self.memory.recent) - len(recent) :]
         recent.clear()
-        recent.extend(self.reference.scores(self._as_usual(one)) for one in last)
+        recent.extend(self.reference.scores(self._as_usual(item)) for item in last)
 
     def _nameless(self, answer: Differences) -> Event:
         assert self.reference is not None
@@ -360,7 +360,7 @@ class Watcher:
         self.lasting += [part for c in self.applied if (part := c.lasting) is not None]
         assert self.reference is not None
         self.numbers = None if anew else self.numbers
-        self.kept = [as_usual(one, self.reference.now, self.lasting) for one in last]
+        self.kept = [as_usual(item, self.reference.now, self.lasting) for item in last]
         self.applied, self.pending, self.reference = [], None, None
         self.memory.recent.clear()
 
@@ -370,7 +370,7 @@ class Watcher:
         """
         assert self.reference is not None
         recent = self.memory.just_before(after)  # they show whether it came slowly
-        recent, after = ([self._as_usual(one, but) for one in some] for some in (recent, after))
+        recent, after = ([self._as_usual(item, but) for item in some] for some in (recent, after))
         usual = self.memory.usual[: self.settings.learn // TOGETHER * 2 // 3]
         question = asked_of(self.reference.now, [*usual, *joined_windows(recent, TOGETHER)], after)
         known = already([c for c in (*self.lasting, *self.applied) if c is not but])
@@ -380,13 +380,13 @@ class Watcher:
     def _refine(self, change: Applied) -> list[Event]:
         """Name a change once more, now that it has lasted."""
         assert self.reference is not None and self.numbers is not None
-        last = [one for one in self.memory.recent if one.t[0] > change.since.t - 0.5 * self.settings.block]
+        last = [sample for sample in self.memory.recent if sample.t[0] > change.since.t - 0.5 * self.settings.block]
         if (few := len(last) < self.settings.least - 1) or (over := self._ended()):
             return [] if few else over
         again, change.refined = change.refined, True
         answer = self._ask(last, MOST, change)
         if answer.found and self.reference.explains(answer):
-            other = {one.name for one in answer.found} != change.labels
+            other = {item.name for item in answer.found} != change.labels
             change.found = answer.found
             event = wording.change_event(self.last, answer, None, "refined", wording.onset_of(answer, last, self.begun))
             if other:

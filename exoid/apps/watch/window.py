@@ -94,12 +94,12 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
 def joined_windows(windows: Sequence[Window], most: int) -> tuple[Window, ...]:
     """Return windows as longer ones, each of at most `most` that follow each other without a gap."""
     groups: list[list[Window]] = []
-    for one in windows:
-        gap = one.t[0] - groups[-1][-1].t[-1] if groups else np.inf
-        if 0.0 < gap < 1.5 / one.kept_rate and len(groups[-1]) < most:
-            groups[-1].append(one)
+    for item in windows:
+        gap = item.t[0] - groups[-1][-1].t[-1] if groups else np.inf
+        if 0.0 < gap < 1.5 / item.kept_rate and len(groups[-1]) < most:
+            groups[-1].append(item)
         else:
-            groups.append([one])
+            groups.append([item])
     return tuple(_joined(group) for group in groups)
 
 
@@ -107,18 +107,18 @@ def _joined(group: Sequence[Window]) -> Window:
     first = group[0]
     if len(group) == 1:
         return first
-    cuts = [0, *(int(one.kept[0]) for one in group[1:])]  # what only settles the filter is there already
-    starts = np.cumsum([0, *(len(one.motion) - cut for one, cut in zip(group, cuts, strict=True))])
+    cuts = [0, *(int(recording.kept[0]) for recording in group[1:])]  # what only settles the filter is there already
+    starts = np.cumsum([0, *(len(entry.motion) - cut for entry, cut in zip(group, cuts, strict=True))])
 
     def whole(parts: Iterable[Any]) -> Any:
         return np.concatenate([part[cut:] for part, cut in zip(parts, cuts, strict=True)])
 
     names = ("t", "q", "dq", "ddq", "sign", *(() if first.motion.force is None else ("force",)))
-    moved = {n: whole(getattr(one.motion, n) for one in group) for n in names}
+    moved = {n: whole(getattr(item.motion, n) for item in group) for n in names}
     return replace(
         first,
         motion=Motion(**moved),
-        torque=np.concatenate([one.torque for one in group], axis=1),
+        torque=np.concatenate([element.torque for element in group], axis=1),
         rough=np.concatenate([one.rough for one in group]),
         steady=np.concatenate([one.steady for one in group], axis=1),
         used=np.concatenate([one.used for one in group], axis=1),

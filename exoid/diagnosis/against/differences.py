@@ -221,7 +221,7 @@ class BeforeAfter:
         return [c.full(0, self.joints) for c in found]
 
     def _exceeds_scatter(self, evidence: Evidence, found: _Granted) -> bool:
-        """Whether the change is larger than what recordings made before differ by among themselves."""
+        """True if the change is larger than what recordings made before differ by among themselves."""
         if self.before < 3:
             return True
         whole = self._in_every_recording(found)

@@ -171,7 +171,7 @@ def questions(
         nodes = own.nodes[:, own.common] if own.common.size else own.nodes
         found.append(Asked(own.term, nodes, own.tangent, own.name))
     if always:
-        found += [replace(one, always=True) for one in found]
+        found += [replace(item, always=True) for item in found]
     count = len(prepared)
     names = [p.name for p in model.parameters] + [s.name for s in model.shapes]
     for k, name in enumerate(names):

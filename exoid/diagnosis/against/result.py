@@ -65,7 +65,7 @@ class ChangeFound(AsJson):
         """The difference in words."""
         parts = [f"{_said(new)} after, {_said(old)} before" for old, new in zip(self.before, self.after, strict=True)]
         if self.kind == "load":  # what was carried all along is in the model's own numbers
-            parts = [f"{_said(one)} more" for one in self.change]
+            parts = [f"{_said(item)} more" for item in self.change]
         shape = "".join(f", {key} = {value:.3g}" for key, value in self.shape.items())
         if self.place is not None:
             shape = f", {_said(self.place)} down the {self.joint}"
@@ -118,7 +118,7 @@ class Differences(AsJson):
 
     @property
     def differs(self) -> bool:
-        """Whether anything differs."""
+        """True if anything differs."""
         return bool(self.found)
 
     @property
@@ -126,10 +126,10 @@ class Differences(AsJson):
         """The answer in words."""
         if not self.found:
             return "Nothing differs between before and after that these recordings could show."
-        return "Different afterwards: " + "; ".join(one.name for one in self.found) + "."
+        return "Different afterwards: " + "; ".join(item.name for item in self.found) + "."
 
     def __repr__(self) -> str:
-        return "\n".join([self.sentence, *(f"  {one.sentence}" for one in self.found), *self._old()])
+        return "\n".join([self.sentence, *(f"  {item.sentence}" for item in self.found), *self._old()])
 
     def _old(self) -> list[str]:
         return [f"  no change, but missing in the model before and after: {name}" for name in self.old]

@@ -29,11 +29,11 @@ class Agreement:
         return self.accepted / self.of if self.of else None
 
     def enough(self, rules: Rules) -> bool:
-        """Whether so many splits agree that the term may be accepted; without splits nothing speaks against it."""
+        """True if so many splits agree that the term may be accepted; without splits nothing speaks against it."""
         return self.share is None or self.share >= rules.most
 
     def repeats(self, rules: Rules) -> bool:
-        """Whether nearly all splits of many recordings agree, of which most can tell: so many do not by chance,
+        """True if nearly all splits of many recordings agree, of which most can tell: so many do not by chance,
         whichever are held out.
         """
         many = self.recordings >= rules.many_recordings and self.of > rules.half * self.splits

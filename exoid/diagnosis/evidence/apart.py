@@ -48,7 +48,7 @@ def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
     while len(out) + 1 <= MOST * count and count - len(out) - 1 >= OTHERS:
         rest = [k for k in range(count) if k not in out]
         without = [grams.errors([j for j in rest if j != k], [j for j in rest if j != k]) for k in rest]
-        worst = rest[index_of_least([float(np.nansum(one)) for one in without])]
+        worst = rest[index_of_least([float(np.nansum(item)) for item in without])]
         out.append(worst)
         rest.remove(worst)
         left = grams.errors(rest, [*rest, *out])
@@ -104,9 +104,9 @@ def explained_alone(base: FittedModel, found: Fit, odd: Sequence[int]) -> float:
     """Return what part of what a model found for the others leaves of the recordings `odd` is explained by numbers of
     their own, of the one of which that is least.
     """
-    left = [float(np.nansum(one)) for one in _left_by(base, found, odd)[-len(odd) :]]
+    left = [float(np.nansum(item)) for item in _left_by(base, found, odd)[-len(odd) :]]
     own = [_alone(base, found, base.prepared.all[k]) for k in odd]
-    return min(0.0 if one is None else 1.0 - one[1] / whole for one, whole in zip(own, left, strict=True))
+    return min(0.0 if entry is None else 1.0 - entry[1] / whole for entry, whole in zip(own, left, strict=True))
 
 
 def _alone(base: FittedModel, found: Fit, one: PreparedRecording) -> tuple[Fit, float] | None:
@@ -156,7 +156,7 @@ def _power(base: FittedModel) -> Float:
     """Return the variance (J,) of the torque of each joint, the median of the recordings; NaN for one without drive."""
     rows = [
         [tau[use].var() if driven and use.any() else np.nan for tau, use, driven in zip(*parts, strict=True)]
-        for parts in ((one.torque, one.used, one.driven) for one in base.prepared.all)
+        for parts in ((item.torque, item.used, item.driven) for item in base.prepared.all)
     ]
     known = np.array(rows)
     known[~(known > 0.0)] = np.nan
@@ -168,10 +168,10 @@ def _shares(fitted: FittedModel) -> Float:
     """Return the share (R, J) of the usual variance of a torque that is left of each recording."""
     power = _power(fitted)
     out = np.full((len(fitted.prepared.all), len(power)), np.nan)
-    for k, (one, residual) in enumerate(zip(fitted.prepared.all, fitted.residuals, strict=True)):
+    for k, (item, residual) in enumerate(zip(fitted.prepared.all, fitted.residuals, strict=True)):
         for j in range(len(power)):
-            if one.driven[j] and one.used[j].any():
-                out[k, j] = np.mean(residual[j, one.used[j]] ** 2) / power[j]
+            if item.driven[j] and item.used[j].any():
+                out[k, j] = np.mean(residual[j, item.used[j]] ** 2) / power[j]
     return out
 
 
@@ -181,12 +181,12 @@ class _Grams:
     def __init__(self, base: FittedModel) -> None:
         power, model = _power(base), base.model
         self.gram, self.slope, self.square, self.count = [], [], [], []
-        for one, shape in zip(base.prepared.all, base.shapes, strict=True):
-            raw = model.columns(one.motion, shape, base.linear if model.needs_reference else None)
-            columns = one.smooth_columns(raw)
-            known = (one.used & one.driven[:, None]) / np.sqrt(power)[:, None]
+        for item, shape in zip(base.prepared.all, base.shapes, strict=True):
+            raw = model.columns(item.motion, shape, base.linear if model.needs_reference else None)
+            columns = item.smooth_columns(raw)
+            known = (item.used & item.driven[:, None]) / np.sqrt(power)[:, None]
             known = np.nan_to_num(known)
-            rows, tau = columns * known[:, :, None], one.torque * known
+            rows, tau = columns * known[:, :, None], item.torque * known
             self.gram.append(rows.swapaxes(1, 2) @ rows)
             self.slope.append((rows.swapaxes(1, 2) @ tau[:, :, None])[:, :, 0])
             self.square.append(np.sum(tau**2, axis=1))

@@ -21,8 +21,8 @@ from exoid.optimisation.fitting.identify import identify
 def as_given(base: FittedModel) -> FittedModel:
     """Return a model on recordings that are taken as they were given, whatever reading of them fits better."""
     prepared = base.prepared
-    doubted = {*CHECKS, *(one.check for one in prepared.misread)}
-    rest = tuple(one for one in prepared.findings if one.check not in doubted)
+    doubted = {*CHECKS, *(item.check for item in prepared.misread)}
+    rest = tuple(finding for finding in prepared.findings if finding.check not in doubted)
     return replace(base, prepared=replace(prepared, findings=rest, misread=()))
 
 
@@ -36,10 +36,10 @@ def may_leave_noise(base: FittedModel, rules: Rules) -> bool:
         if len(now.model.terms) - len(base.model.terms) == rules.most_terms:
             return False
         present = {(term.effect.id, term.joint) for term in now.model.terms}
-        todo = [one for one in library.candidates if (one.term.effect.id, one.term.joint) not in present]
+        todo = [item for item in library.candidates if (item.term.effect.id, item.term.joint) not in present]
         scores, _ = weigh_all(now.evidence(seed=0, draws=0, rules=rules), library, now, todo)
-        helping = [one for one in scores if one.helps and not one.caution and not one.candidate.tangent]
-        rest = [one for one in helping if one.share > rules.unexplained_share]
+        helping = [score for score in scores if score.helps and not score.caution and not score.candidate.tangent]
+        rest = [entry for entry in helping if entry.share > rules.unexplained_share]
         if not rest:
             return False
         best = least_of(rest, lambda one: -one.share, 1.0)

@@ -59,7 +59,7 @@ class Candidate:
 
     @property
     def change(self) -> bool:
-        """Whether its single column is the change of the model's torque at a value of its number."""
+        """True if its single column is the change of the model's torque at a value of its number."""
         return not self.tangent and not self.term.effect.coefficients
 
     @property
@@ -69,12 +69,12 @@ class Candidate:
 
     @property
     def numbers(self) -> int:
-        """How many numbers it adds to the model."""
+        """Count of the numbers that it adds to the model."""
         return len(self.term.effect.coefficients) + len(self.term.effect.shape)
 
     @property
     def width(self) -> int:
-        """How many columns it has at each of its joints."""
+        """Number of its columns at each of its joints."""
         return max(1, len(self.term.effect.coefficients))
 
     @property
@@ -95,7 +95,7 @@ class Candidate:
 
 
 def feeds_back(term: Term) -> bool:
-    """Whether the columns of a term follow the model's own torque."""
+    """True if the columns of a term follow the model's own torque."""
     if term.effect.derive is not None:
         return True
     return any(torque.names & FEEDBACK for torque in torques(term))

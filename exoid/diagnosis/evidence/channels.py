@@ -61,14 +61,14 @@ def doubts_before(
 
 
 def _untared(base: FittedModel) -> Doubt | None:
-    """Return which recordings have a measured force that is not zero while the foot is in the air: its load of every
+    """Recordings that have a measured force that is not zero while the foot is in the air: its load of every
     joint, which is not there, resembles a spring.
     """
-    found = [one for one in base.prepared.findings if one.check == TARED]
+    found = [finding for finding in base.prepared.findings if finding.check == TARED]
     if not found or UPWARDS not in base.model.channels:
         return None
-    where = "; ".join(f"{one.where}: {one.what}" for one in found)
-    remedies = "; ".join(dict.fromkeys(one.remedy for one in found))
+    where = "; ".join(f"{item.where}: {item.what}" for item in found)
+    remedies = "; ".join(dict.fromkeys(entry.remedy for entry in found))
     return Doubt(f"{UPWARDS} is not zero while the foot is in the air", f"A force was not tared: {where}.", remedies)
 
 
@@ -78,7 +78,7 @@ def doubts_of_recordings(base: FittedModel, rules: Rules = RULES) -> Doubt | Non
 
 
 def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether angles were filtered, the torques not, and the model leaves what that may have taken away."""
+    """True if angles were filtered, the torques not, and the model leaves what that may have taken away."""
     prepared = base.prepared
     if not prepared.angles_were_filtered or np.all(base.evaluation_rms <= rules.near_noise * prepared.noise_floor):
         return None
@@ -92,12 +92,12 @@ def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _two_clocks(base: FittedModel) -> Doubt | None:
-    """Return whether the torques' clock runs at another rate than the angles'."""
-    found = [one for one in base.prepared.findings if one.check == CLOCKS]
+    """True if the torques' clock runs at another rate than the angles'."""
+    found = [finding for finding in base.prepared.findings if finding.check == CLOCKS]
     if not found:
         return None
-    where = "; ".join(f"{one.where}: {one.what}" for one in found)
-    remedies = "; ".join(dict.fromkeys(one.remedy for one in found))
+    where = "; ".join(f"{item.where}: {item.what}" for item in found)
+    remedies = "; ".join(dict.fromkeys(entry.remedy for entry in found))
     rule = "what the rigid machine leaves of the torques is their own derivative, more and more so"
     return Doubt(rule, f"Two clocks: {where}.", remedies)
 
@@ -144,7 +144,7 @@ def _noisy_angles(base: FittedModel, rules: Rules) -> Doubt | None:
     share = base.prepared.acceleration_noise
     if not share > rules.angle_noise:
         return None
-    density = np.max([one.angle_noise * 0.5 * one.full_rate for one in base.prepared.train], axis=0)
+    density = np.max([recording.angle_noise * 0.5 * recording.full_rate for recording in base.prepared.train], axis=0)
     size = " and ".join(f"{x:.2g}" for x in np.sqrt(density)) + f" rad at {' and '.join(base.model.joint_names)}"
     return Doubt(
         f"noise of the angles makes {100 * share:.0f} % of the accelerations, at {base.prepared.choice.cutoff:g} Hz",
@@ -161,7 +161,7 @@ def _driven_by_friction(base: FittedModel) -> Doubt | None:
     rigid, found = len(base.model.base().inertial), []
     for k, joint in enumerate(base.model.joints):
         dry, viscous = base.fit.estimates[rigid + 2 * k : rigid + 2 * k + 2]
-        if dry.high < 0.0 and viscous.value < 0.0 and any(one.driven[k] for one in base.prepared.train):
+        if dry.high < 0.0 and viscous.value < 0.0 and any(recording.driven[k] for recording in base.prepared.train):
             found.append((k, joint))
     if not found:
         return None
@@ -178,19 +178,19 @@ def _driven_by_friction(base: FittedModel) -> Doubt | None:
 
 
 def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether every torque is a function of the angles alone, and inertia and friction explain less than half of
+    """True if every torque is a function of the angles alone, and inertia and friction explain less than half of
     what these leave: a machine that is moved by hand while its drives carry its weight.
     """
     train = base.prepared.train
-    still = [_at_rest(base, one) for one in train]
+    still = [_at_rest(base, recording) for recording in train]
     left = []
     for joint in range(len(base.model.joints)):
-        seen = [one.used[joint] & one.driven[joint] for one in train]
+        seen = [item.used[joint] & item.driven[joint] for item in train]
         columns, tau, residual = (
             np.concatenate([part[use] for part, use in zip(parts, seen, strict=True)])
             for parts in (
                 [columns[joint] for columns in still],
-                [one.torque[joint] for one in train],
+                [entry.torque[joint] for entry in train],
                 [each[joint] for each in base.residuals[: len(train)]],
             )
         )
@@ -250,15 +250,15 @@ def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:
     where it explains the others so; [] where they are alike, or most of them odd.
     """
     odd, known = [], 0
-    for one in base.prepared.all:
+    for item in base.prepared.all:
         try:
-            alone = identify(base.model, (one,), optimisers=())
+            alone = identify(base.model, (item,), optimisers=())
         except NotEnoughDataError:
             continue
         known += 1
-        share = left_share(fitted_model(alone, replace(base.prepared, train=(one,), verify=())))
+        share = left_share(fitted_model(alone, replace(base.prepared, train=(item,), verify=())))
         if np.nanmax(share, initial=0.0) > rules.unexplained_share:
-            odd.append(one.name)
+            odd.append(item.name)
     return odd if 2 * len(odd) < known else []
 
 
@@ -269,7 +269,7 @@ _COLUMNS = (
 
 
 def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether an effect had to rescue a rigid machine that explains little and could not exist.
+    """True if an effect had to rescue a rigid machine that explains little and could not exist.
 
     One that leaves next to the noise, or little of the torque, with numbers that are possible, has not: a strong spring
     is no wrong channel.
@@ -300,7 +300,7 @@ def _impossible(fitted: FittedModel) -> list[Finding]:
 
 
 def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether a model near the noise explains every torque as well without weight and inertia, at every joint
+    """True if a model near the noise explains every torque as well without weight and inertia, at every joint
     that moves: no machine is without mass, so the torque is another one, or these recordings do not carry an answer.
     """
     if np.any(times_noise(last) > rules.near_noise):
@@ -308,12 +308,12 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
     model, train = last.model, last.prepared.train
     rigid = len(model.inertial)
     columns = [
-        one.smooth_columns(model.columns(one.motion, at, last.linear if model.needs_reference else None))
-        for one, at in zip(train, last.shapes, strict=False)
+        recording.smooth_columns(model.columns(recording.motion, at, last.linear if model.needs_reference else None))
+        for recording, at in zip(train, last.shapes, strict=False)
     ]
     told = []
     for j, joint in enumerate(model.joints):
-        seen = [one.used[j] & (one.driven[j] and not one.standing[j]) for one in train]
+        seen = [item.used[j] & (item.driven[j] and not item.standing[j]) for item in train]
         rest, tau, left = (
             np.concatenate([part[j][use] for part, use in zip(parts, seen, strict=True)])
             for parts in (
@@ -342,8 +342,8 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _another_machine(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether held-out recordings are badly explained by the numbers that were fitted, and well by numbers of
-    their own.
+    """Doubt that held-out recordings are of the machine that was fitted: they are badly explained by its numbers, and
+    well by numbers of their own.
 
     At least one number must differ by more than both intervals allow. Effects that explain most of what the given model
     leaves of the recordings held out are those of their machine, too.

@@ -34,7 +34,7 @@ class Columns:
 
     @property
     def is_absent(self) -> bool:
-        """Whether it is known not to act on this recording, so that nothing need be computed."""
+        """True if it is known not to act on this recording, so that nothing need be computed."""
         return not any(self.values.strides)
 
     @property
@@ -104,7 +104,7 @@ class LateColumns(Columns):
 
     @property
     def is_absent(self) -> bool:
-        """Whether it is known not to act on this recording."""
+        """True if it is known not to act on this recording."""
         return False
 
     def some(self, nodes: slice | np.ndarray) -> Columns:
@@ -130,11 +130,11 @@ def stacked(parts: Sequence[Sequence[Columns]], joints: int) -> list[Columns]:
     """
     sizes = [_rms(part) or 1.0 for part in parts]
     each = zip(*parts, strict=True)
-    full = [[one.full(0, joints) / size for one, size in zip(some, sizes, strict=True)] for some in each]
+    full = [[item.full(0, joints) / size for item, size in zip(some, sizes, strict=True)] for some in each]
     return [Columns(tuple(range(joints)), np.concatenate(some, axis=2)[None]) for some in full]
 
 
 def _rms(part: Sequence[Columns]) -> float:
     """Return the RMS of a candidate's columns over all recordings."""
-    count = max(1, sum(one.values.size for one in part))
-    return float(np.sqrt(sum(float(np.sum(one.values**2)) for one in part) / count))
+    count = max(1, sum(item.values.size for item in part))
+    return float(np.sqrt(sum(float(np.sum(entry.values**2)) for entry in part) / count))

@@ -51,7 +51,7 @@ def tried_curves(joints: tuple[Joint, ...]) -> tuple[tuple[str, str], ...]:
 
 
 def may_move(variable: str, factor: str) -> bool:
-    """Whether strapping can move a curve in this variable: the place of a stop or a bump, on the path."""
+    """True if strapping can move a curve in this variable: the place of a stop or a bump, on the path."""
     return split_variable(variable)[0] == "q" and not factor
 
 
@@ -112,10 +112,10 @@ def _made(now: FittedModel, variable: str, joint: int, factor: str, knots: int) 
         return spline_columns(np.clip(x, low, high), positions, order)
 
     out = []
-    for one, signal in zip(prepared, signals, strict=True):
+    for recording, signal in zip(prepared, signals, strict=True):
         raw = design(signal)
         if factor:
-            raw = raw * (one.motion.sign if factor == "sign" else one.motion.dq)[:, [joint]]
-        out.append(Columns((joint,), one.smooth_columns(raw[None], (joint,))[None]))
+            raw = raw * (recording.motion.sign if factor == "sign" else recording.motion.dq)[:, [joint]]
+        out.append(Columns((joint,), recording.smooth_columns(raw[None], (joint,))[None]))
     grid = np.linspace(low, high, 121)
     return Splines(tuple(out), grid, design(grid))

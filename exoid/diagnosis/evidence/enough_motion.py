@@ -28,7 +28,7 @@ def little_motion(prepared: Prepared, rules: Rules, joints: Collection[int] = ()
             f"{cutoff:g} Hz, on which effects that are not there look real: {rules.least_periods:g} periods, "
             f"{rules.least_periods / cutoff:.3g} s, are enough to accept one"
         )
-    counts = np.sum([_strokes(one, rules) for one in prepared.train], axis=0)
+    counts = np.sum([_strokes(recording, rules) for recording in prepared.train], axis=0)
     at = max(joints or range(len(counts)), key=counts.__getitem__)
     if counts[at] >= rules.least_strokes:
         return ""
@@ -40,12 +40,12 @@ def little_motion(prepared: Prepared, rules: Rules, joints: Collection[int] = ()
 
 
 def fitted_seconds(prepared: Prepared) -> float:
-    """Return how many seconds of motion are fitted."""
-    return sum(float(one.t[-1] - one.t[0]) for one in prepared.train)
+    """Duration of the fitted motion in s."""
+    return sum(float(recording.t[-1] - recording.t[0]) for recording in prepared.train)
 
 
 def _strokes(one: PreparedRecording, rules: Rules = RULES) -> np.ndarray:
-    """Return how many strokes (J,) each joint makes, those left out that are short beside its range."""
+    """Number of strokes (J,) of each joint, those left out that are short beside its range."""
     count = []
     for q, dq, reach in zip(one.motion.q[one.kept].T, one.motion.dq[one.kept].T, one.reach, strict=True):
         turns = np.flatnonzero(np.diff(np.sign(dq)))

@@ -61,7 +61,7 @@ class FittedModel:
 
     @property
     def verified(self) -> bool:
-        """Whether there are verification recordings."""
+        """True if there are verification recordings."""
         return bool(self.prepared.verify)
 
     @property
@@ -111,13 +111,13 @@ class FittedModel:
 
     def recording_losses(self, scale: Float, rules: Rules = RULES) -> list[Float]:
         """Return the loss in blocks of each recording, all joints together."""
-        return [one.sum(axis=0) for one in self._losses(scale, rules)]
+        return [loss.sum(axis=0) for loss in self._losses(scale, rules)]
 
     def _losses(self, scale: Float, rules: Rules) -> list[Float]:
         out = []
-        for residual, one in zip(self.residuals, self.prepared.all, strict=True):
-            loss = huber_terms(np.where(one.used, np.abs(residual), 0.0) / scale[:, None], rules.robust)
-            out.append(np.add.reduceat(loss, one.starts(rules.block_seconds), axis=1))
+        for residual, item in zip(self.residuals, self.prepared.all, strict=True):
+            loss = huber_terms(np.where(item.used, np.abs(residual), 0.0) / scale[:, None], rules.robust)
+            out.append(np.add.reduceat(loss, item.starts(rules.block_seconds), axis=1))
         return out
 
     @property
@@ -130,12 +130,12 @@ class FittedModel:
     ) -> Evidence:
         """Return the evidence that weighs missing effects, in units of `sigma` (J,) N·m, by default its own scale."""
         count = len(self.prepared.train)
-        moving = np.sum([one.used.any(axis=1) for one in self.prepared.train], axis=0)
+        moving = np.sum([recording.used.any(axis=1) for recording in self.prepared.train], axis=0)
         # Without the only recording in which a joint moves nothing would be known of it: then parts are left out.
         parts = [rules.blocks if np.any(moving == 1) else 1] * count + [1] * len(self.prepared.verify)
         blocks = [
-            _block(self.model, one, self.linear, shape, residual, part)
-            for one, shape, residual, part in zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True)
+            _block(self.model, item, self.linear, shape, residual, part)
+            for item, shape, residual, part in zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True)
         ]
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
@@ -150,7 +150,7 @@ class FittedModel:
     def judged_anew(self) -> Prepared:
         """Return the recordings with spikes of the torques judged anew beside this model."""
         pairs = zip(self.prepared.all, self.shapes, strict=True)
-        return judged_anew(self.prepared, [self.model.torque(one.motion, self.linear, at) for one, at in pairs])
+        return judged_anew(self.prepared, [self.model.torque(item.motion, self.linear, at) for item, at in pairs])
 
     def judged_by_halves(self) -> FittedModel:
         """Return the model with what it leaves of each half of a recording where the values that belong to the
@@ -158,7 +158,7 @@ class FittedModel:
         """
         if not own_shapes(self.model):
             return self
-        return replace(self, residuals=tuple(_by_halves(self.fit, one) for one in self.prepared.all))
+        return replace(self, residuals=tuple(_by_halves(self.fit, item) for item in self.prepared.all))
 
     def on(self, prepared: Prepared) -> FittedModel:
         """Return the same model with the same numbers on other versions of the recordings."""
@@ -177,7 +177,7 @@ def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
     residuals = _residuals(model, fit.linear, shapes, prepared)
     if own_shapes(model):
         seen = residuals[: len(prepared.train)]
-        residuals = (*seen, *(_by_halves(fit, one) for one in prepared.verify))
+        residuals = (*seen, *(_by_halves(fit, recording) for recording in prepared.verify))
     return FittedModel(fit, shapes, residuals, prepared, _slack(fit, model))
 
 
@@ -189,10 +189,10 @@ def lag(loss: Float, least: Float) -> float:
 
 
 def places_pay(once: FittedModel, each: FittedModel, rules: Rules = RULES) -> bool:
-    """Whether places that recordings have to themselves (`each`) are better than the same place in all (`once`): with
+    """True if places that recordings have to themselves (`each`) are better than the same place in all (`once`): with
     places found in the other half of a recording, the torque is predicted clearly better.
     """
-    fixed, moving = (one.judged_by_halves().block_losses(once.scale, rules) for one in (once, each))
+    fixed, moving = (item.judged_by_halves().block_losses(once.scale, rules) for item in (once, each))
     return lag(fixed, moving) >= rules.clear
 
 
@@ -213,8 +213,8 @@ def _slack(fit: Fit, model: Model) -> Float:
 
 def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:
     return tuple(
-        one.torque - _filtered_torque(model, one, linear, shape)
-        for one, shape in zip(prepared.all, shapes, strict=True)
+        item.torque - _filtered_torque(model, item, linear, shape)
+        for item, shape in zip(prepared.all, shapes, strict=True)
     )
 
 

@@ -359,7 +359,7 @@ class Evidence:
 
     @property
     def count(self) -> int:
-        """How many units there are."""
+        """Number of units."""
         return len(self._units)
 
     def unit(self, number: int) -> tuple[int, Float]:

@@ -264,7 +264,7 @@ def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
 def _beyond_curves(
     views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], far: float, rules: Rules
 ) -> bool:
-    """Whether smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
+    """True if smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
     recordings, leave a good part of what acts at any joint, RMS, where that is more than `far`.
     """
     q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))

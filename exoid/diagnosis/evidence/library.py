@@ -44,7 +44,7 @@ class Library:
     @property
     def candidates(self) -> tuple[Candidate, ...]:
         """The candidates, in the order of the catalogue."""
-        return tuple(self._own.get(one.name, one) for one in self.entries)
+        return tuple(self._own.get(entry.name, entry) for entry in self.entries)
 
     def narrow(self, name: str, nodes: Float) -> None:
         """From now on let the candidate called `name` have these nodes (R, V, S) alone."""
@@ -78,18 +78,18 @@ def _columns(candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
     """Columns of a candidate on every recording; those of many nodes are computed when they are asked for."""
     each = tuple(zip(candidate.nodes, fitted.prepared.all, strict=True))
     if candidate.nodes.shape[1] * candidate.width * len(candidate.joints) > MANY:
-        return tuple(late_columns(candidate, nodes, one, fitted) for nodes, one in each)
+        return tuple(late_columns(candidate, nodes, entry, fitted) for nodes, entry in each)
     out = []
-    for nodes, one in each:
-        shape = candidate.nodes.shape[1], candidate.width, len(candidate.joints), len(one.kept)
+    for nodes, item in each:
+        shape = candidate.nodes.shape[1], candidate.width, len(candidate.joints), len(item.kept)
         columns = Columns(candidate.joints, np.moveaxis(np.zeros(shape), 1, 3))
-        fill_columns(candidate, nodes, one, fitted, columns)
+        fill_columns(candidate, nodes, item, fitted, columns)
         out.append(columns)
     return tuple(out)
 
 
 def _lasting(candidate: Candidate) -> bool:
-    """Whether columns are kept beside other models too: no parameter changes them, or they are many."""
+    """True if columns are kept beside other models too: no parameter changes them, or they are many."""
     fine = candidate.nodes.shape[1] > FINE
     return not candidate.tangent and (fine or not feeds_back(candidate.term))
 
@@ -100,7 +100,7 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
     Terms that `model` already has are left out, what a person brings where it has no wearer, and effects of a drive, or
     of the model's own torque, at a joint that has no drive in any recording.
     """
-    driven = [any(one.driven[j] for one in prepared) for j in range(len(model.joints))]
+    driven = [any(recording.driven[j] for recording in prepared) for j in range(len(model.joints))]
     known = {term.name for term in model.terms}
     found = []
     for effect in (*catalogue(model.joints, model.wearer is not None).values(), *extra):
@@ -124,7 +124,7 @@ def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> 
         return _product(shapes, term, [prepared] * len(prepared))
     # Each recording at its own place, and all of them at the same one: where a recording hardly shows it, its own path
     # says little about where.
-    own = _product(shapes, term, [[one] for one in prepared])
+    own = _product(shapes, term, [[recording] for recording in prepared])
     return np.concatenate([own, _product(shapes, term, [prepared] * len(prepared))], axis=1)
 
 

@@ -69,15 +69,15 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
 
 
 def placed(candidate: Candidate) -> bool:
-    """Whether a candidate sits at a place of its own, beside which its nodes may lie."""
+    """True if a candidate sits at a place of its own, beside which its nodes may lie."""
     return any(s.per_recording and s.spacing == "position" for s in candidate.term.placed_shape.values())
 
 
 def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:
     """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
     return [
-        candidate_columns(candidate, row[None], one, fitted)
-        for row, one in zip(chosen, fitted.prepared.all, strict=True)
+        candidate_columns(candidate, row[None], item, fitted)
+        for row, item in zip(chosen, fitted.prepared.all, strict=True)
     ]
 
 
@@ -121,14 +121,14 @@ def look_alikes(
 def gains_beside(
     evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
 ) -> bool:
-    """Whether `rival` keeps enough of its gain beside the best one to be another effect."""
+    """True if `rival` keeps enough of its gain beside the best one to be another effect."""
     together = stacked([best[1], columns], len(evidence.sigma))
     share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
     return share - best[0].share > evidence.rules.half * rival.share
 
 
 def leaves_joints(loss: Float, than: Float, best: Candidate, rules: Rules) -> bool:
-    """Whether a rival's loss (J, blocks) is clearly above that of the `best` candidate (`than`) at a joint where the
+    """True if a rival's loss (J, blocks) is clearly above that of the `best` candidate (`than`) at a joint where the
     best one acts: what makes the error of another joint smaller is another effect, however much that may be.
     """
     return any(lag(loss[joint], than[joint]) >= rules.clear for joint in best.joints)

@@ -35,12 +35,12 @@ class ModelError(AsJson):
 
 def sensor_noise(prepared: Prepared) -> Float:
     """Return the noise floor (J,), N·m; where no drive acts, of the other joints' sensors: zero torque has no noise."""
-    driven = np.any([one.driven for one in prepared.all], axis=0)
+    driven = np.any([item.driven for item in prepared.all], axis=0)
     return np.asarray(np.where(driven, prepared.noise_floor, prepared.noise_floor.max()))
 
 
 def times_noise(last: FittedModel) -> Float:
-    """Return how many times the noise floor the error of a model is at each joint (J,); 0 where there is no noise."""
+    """Error of a model at each joint (J,) as a multiple of the noise floor; 0 where there is no noise."""
     floor = sensor_noise(last.prepared)
     return np.asarray(np.where(floor > 0.0, last.evaluation_rms / np.where(floor > 0.0, floor, 1.0), 0.0))
 

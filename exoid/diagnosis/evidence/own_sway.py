@@ -101,7 +101,7 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
         return None
     if not places_of(effect, model.joints):
         return None
-    lasts = [float(one.t[-1] - one.t[0]) for one in last.prepared.all]
+    lasts = [float(item.t[-1] - item.t[0]) for item in last.prepared.all]
     step = 1.0 / (FINE * max(lasts))
     count = min(MOST, int(NEAR * swing.hertz / step))
     tried = _within(swing.hertz, step, count)
@@ -197,7 +197,7 @@ def _read(carrier: FittedModel, blocks: Sequence[RecordingEvidence], candidate: 
     """
     prepared, scale = carrier.prepared, np.maximum(carrier.train_rms, 1e-12)
     nodes, count = np.array([[hertz, 0.0]]), len(prepared.train)
-    swings = [candidate_columns(candidate, nodes, one, carrier).full(0, len(scale)) for one in prepared.all]
+    swings = [candidate_columns(candidate, nodes, item, carrier).full(0, len(scale)) for item in prepared.all]
     weights = [block.use / scale[:, None] for block in blocks]
     rows, rest = [], []
     for swing, block, weight in zip(swings[:count], blocks, weights, strict=False):
@@ -214,9 +214,9 @@ def _read(carrier: FittedModel, blocks: Sequence[RecordingEvidence], candidate: 
 def _by_halves(swing: Float, wanted: Float, weight: Float) -> Float:
     """Return the torque (J, K) of the sway, in each half of a recording as the other half shows it."""
     out, middle = np.zeros_like(wanted), wanted.shape[1] // 2
-    for one, other in ((slice(0, middle), slice(middle, None)), (slice(middle, None), slice(0, middle))):
+    for item, other in ((slice(0, middle), slice(middle, None)), (slice(middle, None), slice(0, middle))):
         parts = _solved(_flat(swing[:, other], weight[:, other]), (wanted * weight)[:, other].ravel())
-        out[:, one] = swing[:, one] @ parts
+        out[:, item] = swing[:, item] @ parts
     return out
 
 

@@ -67,13 +67,13 @@ def as_good(
     different, back = evidence.different_shifts
     if search.own:
         each = [evidence.shifted(some, v, by=different) for v in range(len(search.nodes))]
-        grams = Gram(np.stack([one.rows for one in each], axis=-2), each[0].lift)
+        grams = Gram(np.stack([item.rows for item in each], axis=-2), each[0].lift)
         return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))[back]
     out = np.zeros(len(different[0]), dtype=bool)
     for v in range(len(search.nodes)):
         if not (left := np.flatnonzero(~out)).size:
             break
-        out[left] = exceed(evidence.shifted(some, v, trained=True, by=[one[left] for one in different]))
+        out[left] = exceed(evidence.shifted(some, v, trained=True, by=[entry[left] for entry in different]))
     return out[back]
 
 

@@ -57,7 +57,7 @@ class Power(AsJson):
 
     @property
     def would_show(self) -> bool:
-        """Whether an effect of the usual size would have been accepted."""
+        """True if an effect of the usual size would have been accepted."""
         return self.smallest <= self.usual
 
     def _json(self) -> dict[str, Any]:
@@ -74,9 +74,9 @@ def power_of(
     present = {term.name for term in fitted.model.terms}
     made = evidence_on(simulated, evidence)
     found = [
-        _power(one, fitted, evidence, library, made) for one in library.candidates if one.name not in present
+        _power(item, fitted, evidence, library, made) for item in library.candidates if item.name not in present
     ]
-    return tuple(one for one in found if one is not None)
+    return tuple(entry for entry in found if entry is not None)
 
 
 def _power(
@@ -123,7 +123,7 @@ def _usual_sizes(candidate: Candidate) -> tuple[_Told, float, Float] | None:
     """Return the number that is told of a candidate, how large it usually is, and its coefficients (m,) then."""
     term = candidate.term
     if term.parameters:
-        sizes = np.array([one.typical or 0.0 for one in term.parameters])
+        sizes = np.array([parameter.typical or 0.0 for parameter in term.parameters])
         if not sizes.any():
             return None
         first = int(np.argmax(sizes != 0.0))
@@ -156,13 +156,13 @@ def power_said(power: Sequence[Power], find: Callable[[str], Effect] = find_effe
     """Return what recordings would not have shown, that of which they say least first, as a sentence; "" where nothing
     is known.
     """
-    hidden = [one for one in power if not one.would_show]
+    hidden = [item for item in power if not item.would_show]
     if not power:
         return ""
     if not hidden:
         return "Each effect of the catalogue would have shown at its usual size."
     least = sorted(hidden, key=lambda one: (-one.smallest / one.usual, one.name))
-    told = "; ".join(_said(one, find) for one in least[:TOLD])
+    told = "; ".join(_said(entry, find) for entry in least[:TOLD])
     more = f"; and {len(least) - TOLD} more" if len(least) > TOLD else ""
     seen = f"{len(power) - len(hidden)} of {len(power)} effects" if len(hidden) < len(power) else "no effect"
     return f"At its usual size {seen} would have shown; too little is said by these recordings of: {told}{more}."

@@ -43,13 +43,13 @@ class BetterCurve:
         return _share(self.parts, both, self.ridge) - self.share
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
-        """Whether a term adds less than half of its own gain to the curve.
+        """True if a term adds less than half of its own gain to the curve.
 
         A constant adds nothing to any curve, each of which contains it: there the curve has to gain clearly more; and
         where recordings have offsets of their own, a constant says nothing.
         """
         rules, alone = self.parts[0].evidence.rules, _share(self.parts, term)
-        if all(np.ptp(one.values, axis=2).max() < CONSTANT * np.abs(one.values).max() for one in term):
+        if all(np.ptp(item.values, axis=2).max() < CONSTANT * np.abs(item.values).max() for item in term):
             return rules.least_share <= alone < rules.most * self.share
         return self.leaves(term) < rules.half * alone
 
@@ -92,8 +92,8 @@ def beaten(
 
     def by_bump(candidate: Candidate) -> BetterCurve | None:
         columns = [
-            candidate_columns(candidate, nodes, one, now)
-            for nodes, one in zip(candidate.nodes, now.prepared.all, strict=True)
+            candidate_columns(candidate, nodes, item, now)
+            for nodes, item in zip(candidate.nodes, now.prepared.all, strict=True)
         ]
         score = weigh(evidence, candidate, columns)
         best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))

@@ -37,21 +37,21 @@ def wanted_gains(base: FittedModel) -> tuple[WantedGain, ...]:
 
 
 def turned_force(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
-    """Return which force counts the other way round than its columns say; None where none does."""
+    """Force that counts the other way round than its columns say; None where none does."""
     turned = [
-        one
-        for one in wanted_gains(base)
-        if one.gain + rules.robust * one.deviation < -rules.half
-        and one.share > rules.little
-        and one.force.gain is not None
+        gain
+        for gain in wanted_gains(base)
+        if gain.gain + rules.robust * gain.deviation < -rules.half
+        and gain.share > rules.little
+        and gain.force.gain is not None
     ]
     if not turned:
         return None
-    names = " and ".join(one.force.name for one in turned)
+    names = " and ".join(entry.force.name for entry in turned)
     units = {"N·m": "Nm", "N": "N"}
-    columns = [name for one in turned for name in one.force.columns]
+    columns = [name for item in turned for name in item.force.columns]
     options = ",".join(f"{name}=-{units[force_unit(name)]}" for name in columns)
-    space = any(one.force.in_space for one in turned)
+    space = any(element.force.in_space for element in turned)
     positive = "along the axes of their sensor or the base" if space else "forwards and upwards"
     gains = ", ".join(f"{one.gain:.2g}" for one in turned)
     return Doubt(
@@ -77,7 +77,7 @@ def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
         without = _share_of_column(base, list(data.names).index(place.name))
         return WantedGain(force, float(np.sign(place.value)), deviation, without)
     # Where its place is free, it is taken at its link's upper joint.
-    parts = [force_alone(model, one, force, force.along) for one in base.prepared.train]
+    parts = [force_alone(model, recording, force, force.along) for recording in base.prepared.train]
     column = (np.concatenate(parts, axis=1) * data.use).ravel()
     residual = (data.residual(base.linear) * data.use).ravel()
     basis = data.factor.basis

@@ -100,7 +100,7 @@ def agreed(
 
 
 def _outvoted(evidence: Evidence, score: Score) -> bool:
-    """Whether the recordings held out lose little beside what the fitted ones gain, in units of torque."""
+    """True if the recordings held out lose little beside what the fitted ones gain, in units of torque."""
     gained = score.share * float(evidence.fold_losses.sum())
     return harmless(evidence.rules, np.array([gained, (score.unseen or 0.0) * evidence.unseen_loss]))
 

@@ -59,7 +59,7 @@ class Remainder:
 
     @property
     def directed(self) -> bool:
-        """Whether it turns its sign with the direction of motion."""
+        """True if it turns its sign with the direction of motion."""
         return self.factor == "sign"
 
     @property
@@ -240,7 +240,7 @@ def least_of_a_curve(rules: Rules) -> float:
 
 
 def significant(one: Remainder, rules: Rules = RULES) -> bool:
-    """Whether a remainder is certain enough to be reported as structure that nobody explains."""
+    """True if a remainder is certain enough to be reported as structure that nobody explains."""
     enough = one.share >= least_of_a_curve(rules) and one.unseen >= rules.least_share
     return one.p_value is not None and one.p_value <= rules.strict_level and enough
 

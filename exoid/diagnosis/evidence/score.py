@@ -62,15 +62,15 @@ class Score:
 
     @property
     def eligible(self) -> bool:
-        """Whether it may be accepted if it is not chance: it helps, with a possible sign, in enough splits."""
+        """True if it may be accepted if it is not chance: it helps, with a possible sign, in enough splits."""
         return self.helps and self.steady and not self.caution
 
     def repeats(self, rules: Rules) -> bool:
-        """Whether nearly all splits of many recordings support it."""
+        """True if nearly all splits of many recordings support it."""
         return self.agreement is not None and self.agreement.repeats(rules)
 
     def agrees(self, rules: Rules) -> bool:
-        """Whether it is told of many recordings, and enough of their splits that can tell support it."""
+        """True if it is told of many recordings, and enough of their splits that can tell support it."""
         agreement = self.agreement
         return agreement is not None and agreement.recordings >= rules.many_recordings and agreement.enough(rules)
 
@@ -159,7 +159,7 @@ def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Fl
 
 
 def harmless(rules: Rules, gains: Float) -> bool:
-    """Whether what held-out recordings lose is small beside what the others gain.
+    """True if what held-out recordings lose is small beside what the others gain.
 
     `gains` (F,) are in units of the pooled residual, so that a quiet recording, which can only lose little torque, does
     not outvote loud ones. Where splits of the recordings can tell, they decide instead.

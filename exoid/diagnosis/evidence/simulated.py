@@ -33,7 +33,7 @@ def made_by_itself(fitted: FittedModel, floor: Float, seed: int) -> FittedModel:
     """Return the model of `fitted`, fitted to recordings that it made itself, `floor` (J,) N·m of noise in them."""
     rng = np.random.default_rng([seed, len(fitted.residuals)])
     pairs = zip(fitted.prepared.all, fitted.shapes, strict=True)
-    made = [_made(fitted, one, shape, np.maximum(floor, 1e-12), rng) for one, shape in pairs]
+    made = [_made(fitted, item, shape, np.maximum(floor, 1e-12), rng) for item, shape in pairs]
     count = len(fitted.prepared.train)
     prepared = replace(fitted.prepared, train=tuple(made[:count]), verify=tuple(made[count:]))
     start = fitted.shape if fitted.model.shapes else None
@@ -46,7 +46,7 @@ Simulated = tuple[FittedModel, Evidence]
 
 def evidence_on(made: Sequence[FittedModel], evidence: Evidence) -> list[Simulated]:
     """Return models on recordings that they made themselves with the evidence there, in the units of `evidence`."""
-    return [(one, one.evidence(seed=0, draws=0, sigma=evidence.sigma, rules=evidence.rules)) for one in made]
+    return [(item, item.evidence(seed=0, draws=0, sigma=evidence.sigma, rules=evidence.rules)) for item in made]
 
 
 def needed_beyond_noise(

@@ -113,7 +113,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
 
 
 def _may_be(base: FittedModel, last: FittedModel, asked: np.ndarray, rules: Rules) -> bool:
-    """Whether enough is left (`asked` (J,), where), and recorded, to ask for a soft drive; of what swings by itself, a
+    """True if enough is left (`asked` (J,), where), and recorded, to ask for a soft drive; of what swings by itself, a
     link on a spring takes up much.
     """
     return bool(not little_motion(base.prepared, rules) and asked.any() and swinging(last) is None)
@@ -147,7 +147,7 @@ def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
     """The drive at `joint` that leaves least of the fitted torque, None where none helps; sought once at all joints."""
     if fitted not in _BEST:
         sought = [_sought(fitted, k) for k in range(len(fitted.model.joints))]
-        _BEST[fitted] = {k: None if one is None else _drive(fitted, k, one) for k, one in enumerate(sought)}
+        _BEST[fitted] = {k: None if item is None else _drive(fitted, k, item) for k, item in enumerate(sought)}
     return _BEST[fitted][joint]
 
 
@@ -160,7 +160,7 @@ def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:
     train = fitted.prepared.train
     if fitted.model.derived or any(is_transform(term) for term in fitted.model.terms):
         return None
-    if not any(one.driven[joint] and not one.standing[joint] for one in train):
+    if not any(recording.driven[joint] and not recording.standing[joint] for recording in train):
         return None
     links = [_Link(fitted, k, joint) for k in range(len(fitted.prepared.all))]
     # What the torque rises by with the acceleration, at the median of the motion.

@@ -32,7 +32,7 @@ MOST_AGAINST = 3
 
 
 def splits_of(recordings: int, held_out: int, rules: Rules, seed: int = 0) -> tuple[tuple[int, ...], ...]:
-    """Return which recordings are held out in each split; () where there is only one recording.
+    """Recordings that are held out in each split; () where there is only one recording.
 
     `held_out` of them at a time (a third where that is 0, never more than half): all combinations where there are few,
     otherwise `rules.most_splits` of them at random.
@@ -143,7 +143,7 @@ class Splits:
 
     @staticmethod
     def _possible(fitted: FittedModel, name: str, numbers: Float) -> bool:
-        """Whether the coefficients of a term lie within their physical bounds."""
+        """True if the coefficients of a term lie within their physical bounds."""
         return all(
             (p.min is None or value >= p.min) and (p.max is None or value <= p.max)
             for p, value in zip(fitted.model.parameters, numbers, strict=False)

@@ -21,7 +21,7 @@ from exoid.symbolic.motion import Motion
 
 def searched_stretches(prepared: Prepared, rules: Rules = RULES) -> Prepared:
     """Return `prepared` itself, or, where it is too long to be searched, stretches as recordings of their own."""
-    if sum(_seconds(one) for one in prepared.all) <= rules.whole_seconds:
+    if sum(_seconds(item) for item in prepared.all) <= rules.whole_seconds:
         return prepared
     train = _spread(prepared.train, rules.searched_seconds, rules.stretch_seconds)
     verify = _spread(prepared.verify, 0.5 * rules.searched_seconds, rules.stretch_seconds)
@@ -33,8 +33,8 @@ def origins(prepared: Prepared, part: Prepared) -> tuple[int, ...]:
     out: list[int] = []
     for number, (whole, cut) in enumerate(((prepared.train, part.train), (prepared.verify, part.verify))):
         offset, k = number * len(prepared.train), 0
-        for one in cut:
-            while whole[k] is not one and not one.name.startswith(f"{whole[k].name} from "):
+        for item in cut:
+            while whole[k] is not item and not item.name.startswith(f"{whole[k].name} from "):
                 k += 1
             out.append(offset + k)
     return tuple(out)
@@ -44,7 +44,7 @@ def searched(prepared: Prepared, part: Prepared, rules: Rules = RULES) -> tuple[
     """Return what a report must say about it: nothing where everything was searched."""
     if part is prepared:
         return ()
-    whole, seen = (sum(_seconds(one) for one in p.all) for p in (prepared, part))
+    whole, seen = (sum(_seconds(item) for item in p.all) for p in (prepared, part))
     what = f"suspects were searched in {len(part.all)} stretches, {seen / 60:.0f} min of {whole / 60:.0f} min"
     remedy = "nothing to do: errors, parameters and intervals are of the whole recordings"
     return (Finding("stretches", "info", what, "all recordings", seen, rules.whole_seconds, remedy),)
@@ -56,17 +56,17 @@ def _seconds(one: PreparedRecording) -> float:
 
 def _spread(recordings: Sequence[PreparedRecording], total: float, stretch: float) -> tuple[PreparedRecording, ...]:
     """Return stretches of `recordings`, about `total` seconds, each recording with its share; short ones stay whole."""
-    length = sum(_seconds(one) for one in recordings)
+    length = sum(_seconds(item) for item in recordings)
     if length <= total:
         return tuple(recordings)
     out: list[PreparedRecording] = []
-    for one in recordings:
-        count = max(1, round(total / stretch * _seconds(one) / length))
-        if count * stretch >= _seconds(one):
-            out.append(one)
+    for recording in recordings:
+        count = max(1, round(total / stretch * _seconds(recording) / length))
+        if count * stretch >= _seconds(recording):
+            out.append(recording)
             continue
-        starts = one.t[0] + np.linspace(0.0, _seconds(one) - stretch, count)
-        out += [_cut(one, start, stretch, f"{one.name} from {start:.0f} s") for start in starts]
+        starts = recording.t[0] + np.linspace(0.0, _seconds(recording) - stretch, count)
+        out += [_cut(recording, start, stretch, f"{recording.name} from {start:.0f} s") for start in starts]
     return tuple(out)
 
 

@@ -60,7 +60,7 @@ class Strides(AsJson):
 
     @property
     def sentence(self) -> str:
-        """How many strides, and how far torque and error come again, in words."""
+        """Sentence on the number of strides, and how far torque and error come again."""
         parts = [
             f"{joint.name}: the torque differs by {a:.3g} {joint.unit('tau')} from stride to stride, the error by "
             f"{e:.3g}, and {100 * s:.0f} % of the error come again in every stride"

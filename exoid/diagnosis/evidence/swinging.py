@@ -63,9 +63,9 @@ def swinging(last: FittedModel) -> Swing | None:
         for j, joint in enumerate(last.model.joint_names)
         if (
             line := common_line(
-                [np.where(one.used[j], r[j], 0.0) for r, one in zip(last.residuals, last.prepared.all, strict=True)],
-                [one.torque[j] for one in last.prepared.all],
-                [one.kept_rate for one in last.prepared.all],
+                [np.where(item.used[j], r[j], 0.0) for r, item in zip(last.residuals, last.prepared.all, strict=True)],
+                [entry.torque[j] for entry in last.prepared.all],
+                [element.kept_rate for element in last.prepared.all],
             )
         )
     ]

@@ -28,7 +28,7 @@ FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
 
 
 def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether a torque is late, early, or behind a slow filter, by more than a drive can be."""
+    """True if a torque is late, early, or behind a slow filter, by more than a drive can be."""
     share = left_share(base)
     if not np.nanmax(share, initial=0.0) > rules.least_share or np.all(
         base.evaluation_rms < rules.near_noise * base.prepared.noise_floor
@@ -39,7 +39,7 @@ def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
     if found is None and joints.sum() > 1:  # the channel of one joint alone
         late = np.flatnonzero(joints & (np.nan_to_num(share) > rules.least_share))
         alone = (readings.best(np.arange(len(share)) == joint, rules) for joint in late)
-        found = next((one for one in alone if one is not None), None)
+        found = next((item for item in alone if item is not None), None)
     if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
         return None
     return _wrong_timing(base, found, int(joints.sum()))
@@ -194,8 +194,8 @@ class _Readings:
         if not fine:
             return None
         least, kind, value, alike = min(
-            (float(left[which].sum()), *one, bool(np.all(left[which] <= 2.0 * rules.little * self.now[which])))
-            for one, left in zip(fine, self._each(fine, which), strict=True)
+            (float(left[which].sum()), *item, bool(np.all(left[which] <= 2.0 * rules.little * self.now[which])))
+            for item, left in zip(fine, self._each(fine, which), strict=True)
         )
         return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
 

@@ -60,7 +60,7 @@ class Claim:
 
     @property
     def factor(self) -> bool:
-        """Whether it multiplies a torque of the model: its pieces are linear in the model's numbers."""
+        """True if it multiplies a torque of the model: its pieces are linear in the model's numbers."""
         return self.usual != 0.0
 
 
@@ -75,7 +75,7 @@ def hypotheses() -> dict[str, ModuleType]:
 
 def claims_of(model: Model) -> tuple[Claim, ...]:
     """Claims of all hypotheses for the machine of a model."""
-    found: Sequence[Sequence[Claim]] = [one.claims(model) for one in hypotheses().values()]
+    found: Sequence[Sequence[Claim]] = [hypothesis.claims(model) for hypothesis in hypotheses().values()]
     return tuple(claim for some in found for claim in some)
 
 

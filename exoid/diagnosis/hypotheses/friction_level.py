@@ -24,7 +24,7 @@ def _friction(joint: int, seen: Seen) -> Float:
     model = seen.model
     own = {term.name for term in model.terms if term.effect.family == "friction"}
     base = range(model.friction.start, model.friction.stop)
-    which = [k for k, one in enumerate(model.parameters) if k in base or one.term in own]
+    which = [k for k, parameter in enumerate(model.parameters) if k in base or parameter.term in own]
     return np.asarray(seen.columns[joint][:, which] @ seen.linear[which])
 
 

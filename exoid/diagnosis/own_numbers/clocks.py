@@ -40,22 +40,22 @@ def one_clock(base: FittedModel, recordings: Sequence[Recording], fitted: Fitted
     late = not base.prepared.clocks
     if late and (base.prepared.misread or len(recordings) < 2):
         return None
-    names = [one.name for one in recordings]
+    names = [recording.name for recording in recordings]
     clocks = late_clocks(base.prepared.clock_rates) if late else base.prepared.clocks
-    known = {name: one for one in clocks for name in names if one.name in (name, EVERY)}
+    known = {name: clock for clock in clocks for name in names if clock.name in (name, EVERY)}
     if not known:
         return None
-    first = {name: (one.late, one.late_error) if late else (one.rate, one.error) for name, one in known.items()}
+    first = {name: (item.late, item.late_error) if late else (item.rate, item.error) for name, item in known.items()}
 
     def moved(factor: float) -> list[Recording]:
         """Recordings by clocks that are so many times as far apart as was found to first order."""
         apart = {name: {"late" if late else "rate": factor * value} for name, (value, _) in first.items()}
-        return [on_one_clock(one, **apart[one.name]) if one.name in apart else one for one in recordings]
+        return [on_one_clock(entry, **apart[entry.name]) if entry.name in apart else entry for entry in recordings]
 
     factor = 1.0
     for width in WIDTHS:
         tried = (factor - width, factor, factor + width)
-        low, middle, high = (total(fitted(moved(one)).recording_losses(base.scale, rules)) for one in tried)
+        low, middle, high = (total(fitted(moved(element)).recording_losses(base.scale, rules)) for element in tried)
         bend = low - 2.0 * middle + high
         factor += float(np.clip(0.5 * width * (low - high) / bend, -width, width)) if bend > 0.0 else 0.0
     on_one = moved(factor)
@@ -76,8 +76,8 @@ def _told(what: str, known: Mapping[str, tuple[float, float]]) -> Belonging:
     values = {name: Estimate(what, x, unit, x - wide * e, x + wide * e) for name, (x, e) in known.items()}
     factor, shown, ways = (1e3, "ms", ("later", "earlier")) if unit == "s" else (1e2, "%", ("faster", "slower"))
     said = {}
-    for name, one in values.items():
-        low, high = sorted((factor * abs(one.low), factor * abs(one.high)))
-        way = ways[0] if one.value > 0.0 else ways[1]
-        said[name] = f"{factor * abs(one.value):.2g} {shown} {way} ({low:.2g} to {high:.2g})"
+    for name, item in values.items():
+        low, high = sorted((factor * abs(item.low), factor * abs(item.high)))
+        way = ways[0] if item.value > 0.0 else ways[1]
+        said[name] = f"{factor * abs(item.value):.2g} {shown} {way} ({low:.2g} to {high:.2g})"
     return Belonging(what, None, unit, values, hypotheses()[what].said(None, said, "", ""))

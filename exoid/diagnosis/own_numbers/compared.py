@@ -13,13 +13,13 @@ from exoid.symbolic.motion import Float
 
 def predicts_better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
     """True where a model beside what belongs to recordings predicts clearly better than the `last` one without."""
-    once, then = (one.recording_losses(last.scale, rules) for one in (last, rival))
+    once, then = (item.recording_losses(last.scale, rules) for item in (last, rival))
     return total(then) <= (1.0 - rules.worth_telling) * total(once) and clearer(once, then) >= rules.clear
 
 
 def explained_by(last: FittedModel, rival: FittedModel) -> float:
     """Share of itself by which the loss of all recordings falls from the `last` model to a rival."""
-    once, then = (total(one.recording_losses(last.scale)) for one in (last, rival))
+    once, then = (total(item.recording_losses(last.scale)) for item in (last, rival))
     return 1.0 - then / once
 
 
@@ -29,12 +29,12 @@ def clearer(once: Sequence[Float], then: Sequence[Float]) -> float:
     What belongs to a recording shows there and nowhere else: blocks are compared with those of their own recording.
     """
     falls = [a - b for a, b in zip(once, then, strict=True)]
-    fall = float(sum(one.sum() for one in falls))
-    spread = float(np.sqrt(sum(np.sum((one - one.mean()) ** 2) for one in falls)))
-    least = 1e-9 * float(sum(one.sum() for one in once))
+    fall = float(sum(item.sum() for item in falls))
+    spread = float(np.sqrt(sum(np.sum((entry - entry.mean()) ** 2) for entry in falls)))
+    least = 1e-9 * float(sum(element.sum() for element in once))
     return fall / max(spread, least) if abs(fall) > least else 0.0
 
 
 def total(losses: Sequence[Float]) -> float:
     """Loss of all recordings together."""
-    return float(sum(one.sum() for one in losses))
+    return float(sum(loss.sum() for loss in losses))

@@ -42,7 +42,7 @@ class Fits:
         self.prior, self.linear = evidence.prior, now.linear
         self.claims = claims_of(now.model)
         pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
-        ends = self.count + np.cumsum([0, *(one.shape[2] for one in pieces[0])])
+        ends = self.count + np.cumsum([0, *(item.shape[2] for item in pieces[0])])
         self.place = {claim: slice(a, b) for claim, a, b in zip(self.claims, ends[:-1], ends[1:], strict=True)}
         if cuts:
             late = {claim: replace(claim, everyone=False) for claim in self.claims if claim.everyone}
@@ -78,7 +78,7 @@ class Fits:
         """True where a part of a recording, or one like it, is among a group of parts of other fits."""
         own = self.parts[j]
         alike = [other.parts[i] for i in group if other.parts[i].recording == own.recording]
-        return any(own.whole or one.whole or (own.start == 0) == (one.start == 0) for one in alike)
+        return any(own.whole or item.whole or (own.start == 0) == (item.start == 0) for item in alike)
 
     def _seen(self, k: int) -> Seen:
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
@@ -197,7 +197,7 @@ class Fits:
         return total(self.losses(state)) if np.isfinite(self.loss(state)) else np.inf
 
     def pays(self, before: State, after: State, clear: float) -> bool:
-        """Whether `after` predicts the other halves clearly better than `before`, and by a part worth telling."""
+        """True if `after` predicts the other halves clearly better than `before`, and by a part worth telling."""
         once, then = self.losses(before), self.losses(after)
         enough = total(then) <= (1.0 - self.rules.worth_telling) * total(once)
         return enough and bool(np.isfinite(self.loss(after))) and clearer(once, then) >= clear

@@ -29,7 +29,7 @@ FINER = 3
 
 def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
     """What belongs to recordings, or to a part of them, beside a model; None where nothing does."""
-    names = [one.name for one in now.prepared.all]
+    names = [item.name for item in now.prepared.all]
     if len(set(names)) < len(names) or len(names) > rules.own_recordings:
         return None
     fits = Fits(now, rules, {})
@@ -49,7 +49,7 @@ class _Search:
 
     def __init__(self, fits: Fits) -> None:
         self.fits, self.rules, self.many = fits, fits.rules, len(fits.parts)
-        questions = sum(1 if one.everyone else self.many for one in fits.claims)
+        questions = sum(1 if claim.everyone else self.many for claim in fits.claims)
         self.clear = max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / questions))
         """Standard errors by which one of so many claims is better, not by chance."""
 
@@ -57,7 +57,7 @@ class _Search:
         """The claims that hold, of those that are held already and others."""
         for claim in self.fits.claims:
             own = Claimed(claim, claim.nodes[0], self.fits.everyone)
-            held = any(one.claim is claim for one in state)
+            held = any(item.claim is claim for item in state)
             if claim.everyone and not held and self.fits.pays(self._needless(state, own), (*state, own), self.clear):
                 state = (*state, own)
         while True:
@@ -77,13 +77,13 @@ class _Search:
         return self._all_placed(state)
 
     def _all_placed(self, state: State) -> State:
-        for one in state:
-            others = tuple(other for other in state if other is not one)
-            state = tuple(self._placed(others, other) if other is one else other for other in state)
+        for item in state:
+            others = tuple(other for other in state if other is not item)
+            state = tuple(self._placed(others, other) if other is item else other for other in state)
         return state
 
     def _is_a_curve(self, rest: State, held: Claimed) -> bool:
-        """Whether one curve in its joint's velocity, the same in all recordings, explains what a claim does: where each
+        """True if one curve in its joint's velocity, the same in all recordings, explains what a claim does: where each
         recording has a speed of its own, friction that depends on speed looks like friction that differs.
         """
         curve = self.fits.curve(held.claim.place)
@@ -96,7 +96,7 @@ class _Search:
     def _promising(self, state: State) -> list[Claimed]:
         """The most promising recording and node of every claim that is not held, the best few."""
         taken = {held.claim for held in state}
-        free = [one for one in self.fits.claims if not one.everyone and one not in taken]
+        free = [item for item in self.fits.claims if not item.everyone and item not in taken]
         nodes = [(claim, node) for claim in free for node in claim.nodes]
         if not nodes:
             return []
@@ -131,12 +131,12 @@ class _Search:
                 losses[k] += np.where((low <= number) & (number <= high), left, np.inf)
         best: list[tuple[float, Claimed]] = []
         for claim in free:
-            mine = [c for c, (one, _) in enumerate(nodes) if one is claim]
+            mine = [c for c, (element, _) in enumerate(nodes) if element is claim]
             k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
             less = claim.shared and numbers[k, mine[c]] < 0.0
             group = tuple(j for j in range(self.many) if (j == k) != less)
             best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
-        useful = [one for one in best if one[0] <= (1.0 - self.rules.least_share) * now]
+        useful = [entry for entry in best if entry[0] <= (1.0 - self.rules.least_share) * now]
         return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
@@ -161,9 +161,9 @@ class _Search:
         """
         while len(held.groups) > 1:
             self.fits.weigh((*state, held))
-            shorter = [tuple(one for one in held.groups if one is not out) for out in held.groups]
+            shorter = [tuple(group for group in held.groups if group is not out) for out in held.groups]
             other = self._others(held)[-1].groups
-            tried = [replace(held, groups=one) for one in (*shorter, other) if len(one) < len(held.groups)]
+            tried = [replace(held, groups=item) for item in (*shorter, other) if len(item) < len(held.groups)]
             best = least_of(tried, lambda one: self.fits.loss((*state, one)), 1.0)
             once, then = self.fits.losses((*state, best)), self.fits.losses((*state, held))
             if not np.isfinite(self.fits.loss((*state, best))) or clearer(once, then) >= self.rules.clear:
@@ -178,11 +178,11 @@ class _Search:
         every = range(self.many)
         if held.claim.shared:
             toggled = [tuple(j for j in every if (j in held.groups[0]) != (j == k)) for k in every]
-            return [replace(held, groups=(one,)) for one in toggled if 0 < len(one) < len(every)]
+            return [replace(held, groups=(element,)) for element in toggled if 0 < len(element) < len(every)]
         inside = {k for group in held.groups for k in group}
         rest = tuple((k,) for k in every if k not in inside)
-        longer = [tuple(sorted((*held.groups, one))) for one in rest]
-        return [replace(held, groups=one) for one in (*longer, rest) if len(one) < len(every)]
+        longer = [tuple(sorted((*held.groups, item))) for item in rest]
+        return [replace(held, groups=entry) for entry in (*longer, rest) if len(entry) < len(every)]
 
     def _placed(self, state: State, held: Claimed) -> Claimed:
         """A claim at the node that fits best."""
@@ -202,8 +202,8 @@ class _Search:
     def _pruned(self, state: State) -> State:
         """The claims that are not needless beside the others."""
         while len(state) > 1:
-            rivals = [self._needless(tuple(one for one in state if one is not out), out) for out in state]
-            best = index_of_least([total(self.fits.losses(one)) for one in rivals])
+            rivals = [self._needless(tuple(item for item in state if item is not out), out) for out in state]
+            best = index_of_least([total(self.fits.losses(rival)) for rival in rivals])
             if self.fits.pays(rivals[best], state, self.clear):
                 break
             state = rivals[best][: len(state) - 1]

@@ -77,7 +77,7 @@ class OwnNumbers:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the
         other half says.
         """
-        train = tuple(self._applied(one, unseen=False) for one in prepared.train)
+        train = tuple(self._applied(recording, unseen=False) for recording in prepared.train)
         return replace(prepared, train=train, verify=tuple(self._applied(one, unseen=True) for one in prepared.verify))
 
     def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
@@ -110,7 +110,7 @@ class OwnNumbers:
         return np.stack(out, axis=2)
 
     def agrees(self, other: OwnNumbers) -> bool:
-        """Whether another look finds the same in the same recordings, within its intervals."""
+        """True if another look finds the same in the same recordings, within its intervals."""
         one, two = ({(b.what, b.joint, n): e for b in own.told for n, e in b.values.items()} for own in (self, other))
         return one.keys() == two.keys() and all(two[k].low <= e.value <= two[k].high for k, e in one.items())
 
@@ -191,7 +191,7 @@ def _spread(fits: Fits, state: State, step: Float) -> _Spread:
         both = rows @ chosen[:, :-1]
         both[:, :, : by_model[j].shape[2]] += by_model[j]
         columns.append(np.concatenate([both, *(x[:, :, None] for x in own)], axis=2))
-    recordings = np.repeat([part.recording for part in fits.parts], [one.shape[1] for one in columns])
+    recordings = np.repeat([part.recording for part in fits.parts], [column.shape[1] for column in columns])
     found = covariance(
         np.concatenate(columns, axis=1), np.concatenate(left, axis=1), fits.rules.robust * sigma, recordings
     )

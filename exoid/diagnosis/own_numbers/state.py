@@ -44,7 +44,7 @@ class Part:
 
     @property
     def whole(self) -> bool:
-        """Whether it is all of the recording."""
+        """True if it is all of the recording."""
         return self.stop - self.start == self.samples
 
     def starts(self, block: RecordingEvidence, seconds: float) -> np.ndarray:

@@ -24,17 +24,17 @@ def _readings() -> dict[str, ModuleType]:
     where it may be the case, or None; `what_is_wrong(fit, name)`, what is to be said where it was accepted; and
     `change(fit, name)`, by what share of itself what it reads would change.
     """
-    return {one.EFFECT.id: one for one in modules_in(sys.modules[__name__]).values()}
+    return {item.EFFECT.id: item for item in modules_in(sys.modules[__name__]).values()}
 
 
 def readings_of(model: Model, prepared: Prepared) -> tuple[Effect, ...]:
     """Return the entries of the readings that may be the case."""
-    entries = (one.entry(model, prepared) for one in _readings().values())
-    return tuple(one for one in entries if one is not None)
+    entries = (reading.entry(model, prepared) for reading in _readings().values())
+    return tuple(entry for entry in entries if entry is not None)
 
 
 def is_reading(name: str) -> bool:
-    """Whether the term called `name` is a reading."""
+    """True if the term called `name` is a reading."""
     return name.partition(":")[0] in _readings()
 
 

@@ -46,7 +46,7 @@ def entry(model: Model, prepared: Prepared) -> Effect | None:
     carrying = {above for above in parents(joints) if above is not None}
     # Where the mass of what hangs further out is a number of its own (behind a sliding joint), a length enters squared.
     found = base_parameters(joints, model.pull, model.moving_base)
-    squared = {k for one in found if one.kind == "m" for k in ancestors(joints, one.link)[:-1]}
+    squared = {k for item in found if item.kind == "m" for k in ancestors(joints, item.link)[:-1]}
     places = tuple(joint.name for k, joint in enumerate(joints) if k in carrying - squared and joint.length)
     return replace(EFFECT, joints=places) if places and not prepared.misread else None
 
@@ -59,7 +59,7 @@ def change(fit: Fit, name: str) -> float:
 
 def _change(fit: Fit, name: str) -> tuple[Estimate, Joint]:
     """Return what a link is longer than the model says, m, and the link."""
-    more = {one.name: one for one in fit.estimates}[f"{name}.more"]
+    more = {estimate.name: estimate for estimate in fit.estimates}[f"{name}.more"]
     return more, next(joint for joint in fit.model.joints if name == f"{EFFECT.id}:{joint.name}")
 
 

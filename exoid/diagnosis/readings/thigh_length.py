@@ -38,7 +38,7 @@ def change(fit: Fit, name: str) -> float:
 
 def _lengths(fit: Fit, name: str) -> tuple[float, float, float]:
     """Return the length that recordings want and the ends of its interval, m."""
-    known = {one.name: one for one in fit.estimates}
+    known = {estimate.name: estimate for estimate in fit.estimates}
     more, coupling = known[f"{name}.k"], known[COUPLING].value
     weight = fit.model.gravity / fit.model.thigh_length
     value, *ends = (fit.model.gravity / (weight + k / coupling) for k in (more.value, more.low, more.high))

@@ -13,7 +13,7 @@ def effect_of(name: str, model: Any = None) -> Effect | None:
     """Return the effect of "stribeck:knee", one of the user's own in `model` first; None for an unknown name."""
     id = name.partition(":")[0]
     own = [*getattr(model, "custom", ()), *(getattr(t, "effect", None) for t in getattr(model, "terms", ()))]
-    found = next((one for one in own if isinstance(one, Effect) and one.id == id), None)
+    found = next((item for item in own if isinstance(item, Effect) and item.id == id), None)
     return found or every_effect().get(id)
 
 

@@ -44,7 +44,7 @@ class Picture:
 
     @property
     def wide(self) -> bool:
-        """Whether it needs the whole width of the page."""
+        """True if it needs the whole width of the page."""
         return float(self.figure.get_figwidth()) > WIDE
 
 

@@ -117,7 +117,7 @@ def refitted(
     )
 
     def no_more(rival: Score, than: Score) -> bool:
-        """Whether a rival can be the plainer `than`, and what else it can be explains no more than by chance."""
+        """True if a rival can be the plainer `than`, and what else it can be explains no more than by chance."""
         known = rival.name in losses and than.name in losses
         chance = NormalDist().inv_cdf(1.0 - rules.level)
         tied = not known or lag(losses[than.name], losses[rival.name]) < chance
@@ -201,23 +201,23 @@ def _twins(
 
 
 def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:
-    """Whether a candidate gains clearly more than on recordings that the present model made itself, noise added."""
+    """True if a candidate gains clearly more than on recordings that the present model made itself, noise added."""
     simulated = evidence_on(context.simulated(extension), evidence)
     needed = needed_beyond_noise(score.candidate, score.shape, evidence, simulated)
     return score.share - needed >= context.rules.least_share
 
 
 def _plainness(score: Score) -> tuple[int, int]:
-    """Return how many numbers a candidate has, and how many of them are shape parameters: the fewer, the plainer."""
+    """Count of a candidate's numbers, and of its shape parameters: the fewer, the plainer."""
     return score.candidate.numbers, len(score.candidate.term.effect.shape)
 
 
 def _bends(rival: Score, plain: Score) -> bool:
-    """Whether a rival has more numbers, or as many of which a shape bends its torque (a tangent is its only number)."""
+    """True if a rival has more numbers, or as many of which a shape bends its torque (a tangent is its only number)."""
     bent = bool(rival.candidate.term.effect.coefficients) and _plainness(rival) > _plainness(plain)
     return bent or rival.candidate.numbers > plain.candidate.numbers
 
 
 def _same(one: Score, other: Score) -> bool:
-    """Whether two candidates gain the same to rounding, on every held-out recording: no motion here differs."""
+    """True if two candidates gain the same to rounding, on every held-out recording: no motion here differs."""
     return bool(np.allclose(one.folds, other.folds, rtol=1e-4, atol=1e-6))

@@ -76,7 +76,7 @@ def _beside(evidence: Evidence) -> tuple[_Beside, _Beside]:
 
 
 def is_within(context: SearchContext, extension: Extension, evidence: Evidence, rival: Candidate, plain: Score) -> bool:
-    """Whether a rival with more numbers can be nothing else than `plain` beside the present model, whatever its shape:
+    """True if a rival with more numbers can be nothing else than `plain` beside the present model, whatever its shape:
     the other numbers show on no motion of this machine.
     """
     (_, beside), columns = _beside(evidence), context.library.columns(rival, extension.fitted)
@@ -97,7 +97,7 @@ def contains(
     plain: Score,
     limit: float | None = None,
 ) -> bool:
-    """Whether a rival can be all that a plainer candidate is here: beside the present model it makes the torque of that
+    """True if a rival can be all that a plainer candidate is here: beside the present model it makes the torque of that
     one, exactly or, at a limit of its shape, but for `limit` (default `negligible`) of what is new in it.
 
     Two effects that merely resemble each other on this motion do not contain each other.

@@ -158,13 +158,13 @@ class SearchContext:
 
     def _notice_sway(self, extension: Extension) -> None:
         """Let the sway of the base be weighed with a phase of its own in every recording, where that is no chance."""
-        names = {one.name for one in self.library.candidates}
+        names = {candidate.name for candidate in self.library.candidates}
         sway = own_sway(extension.fitted, self.noise(extension), self.rules) if SWAY in names else None
         if sway is not None and sway.p_value <= self.rules.level / len(names):
             self.library.narrow(SWAY, sway.nodes)
 
     def _draws(self) -> int:
-        """Return how many placebos a candidate gets: enough that one among so many candidates can be significant."""
+        """Number of placebos of a candidate: enough that one among so many candidates can be significant."""
         wanted = RESOLUTION * len(self.library.candidates) / self.rules.level
         return max(self.rules.placebos, math.ceil(wanted))
 
@@ -182,7 +182,7 @@ class SearchContext:
         return agreed(evidence, scores, columns, extension.fitted)
 
     def doubt(self, before: Extension, after: Extension) -> Objection | None:
-        """Return why the term added last must not be accepted, and remember it; None where nothing speaks against."""
+        """Reason why the term added last must not be accepted, which is kept; None where nothing speaks against."""
         found = doubt(before, after, self.noise(before), self.rules)
         if found is not None and after.added is not None:
             self.doubts[self.key(before), after.added.name] = found
@@ -227,7 +227,7 @@ class SearchContext:
         return with_chance(evidence, agreed(evidence, weighed, known, extension.fitted), known)[0]
 
     def sure(self, score: Score) -> bool:
-        """Whether an accepted term that was tested anew beside the others may stay."""
+        """True if an accepted term that was tested anew beside the others may stay."""
         return score.helps and score.p_value is not None and score.p_value <= self.rules.strict_level
 
     def refined(self, evidence: Evidence, extension: Extension, score: Score) -> tuple[Score, list[Columns]]:

@@ -28,14 +28,14 @@ DELAY = "time_delay"
 
 @dataclass(frozen=True)
 class Objection:
-    """Why a term must not be accepted, in words; `early`: because its torque would come before its motion."""
+    """Reason why a term must not be accepted, in words; `early`: because its torque would come before its motion."""
 
     reason: str
     early: bool = False
 
 
 def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Objection | None:
-    """Return why the term that `after` adds must not be accepted; None where nothing speaks against it.
+    """Reason why the term that `after` adds must not be accepted; None where nothing speaks against it.
 
     `floor` (J,) is the noise in N·m, of the sensors or of what does not repeat.
     """
@@ -105,7 +105,7 @@ def undetermined(fitted: FittedModel, name: str) -> str:
 
 
 def _around_zero(one: Estimate, narrower: float) -> bool:
-    """Whether an interval contains zero, or is not known, also where it is `narrower` times as wide."""
+    """True if an interval contains zero, or is not known, also where it is `narrower` times as wide."""
     low, high = (one.value + narrower * (end - one.value) for end in (one.low, one.high))
     return bool(not np.isfinite([low, high]).all() or low <= 0.0 <= high)
 
@@ -172,11 +172,11 @@ def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
     everywhere, blocks = 0.0, []
     recordings = after.fitted.prepared.all
     for j in after.added.candidate.term.reaches:
-        for one, old, new in zip(recordings, before.fitted.residuals, after.fitted.residuals, strict=True):
-            gained = np.where(one.used[j], old[j] ** 2 - new[j] ** 2, 0.0)
-            far = ~widen(one.stuck[:, j], int(np.ceil(BESIDE * one.rate)))[one.kept]
+        for recording, old, new in zip(recordings, before.fitted.residuals, after.fitted.residuals, strict=True):
+            gained = np.where(recording.used[j], old[j] ** 2 - new[j] ** 2, 0.0)
+            far = ~widen(recording.stuck[:, j], int(np.ceil(BESIDE * recording.rate)))[recording.kept]
             everywhere += float(gained.sum())
-            blocks.append(np.add.reduceat(np.where(far, gained, 0.0), one.starts(rules.block_seconds)))
+            blocks.append(np.add.reduceat(np.where(far, gained, 0.0), recording.starts(rules.block_seconds)))
     beyond = np.concatenate(blocks)
     if beyond.sum() > rules.little * everywhere or lag(beyond, np.zeros(1)) >= rules.clear:
         return ""
@@ -223,7 +223,7 @@ def torque_before_motion(before: Extension, after: Extension, floor: Float, rule
     early = -float(np.median(after.fitted.fit.shapes[:, own]))
     at = list(term.reaches)
     whole, left = (
-        float(np.sum(np.maximum(one.fitted.evaluation_rms[at] ** 2 - floor[at] ** 2, 0.0))) for one in (before, after)
+        float(np.sum(np.maximum(item.fitted.evaluation_rms[at] ** 2 - floor[at] ** 2, 0.0))) for item in (before, after)
     )
     if early <= 0.0 or left <= (1.0 - rules.half) * whole:
         return ""

@@ -76,7 +76,7 @@ def leading_of(context: SearchContext, state: State, first: Sequence[Score], bef
 
 
 def _why_not(context: SearchContext, state: State, score: Score) -> str:
-    """Return why a candidate was not accepted, whatever it explains of the error of the model that was given."""
+    """Reason why a candidate was not accepted, whatever it explains of the error of the model that was given."""
     name = score.name
     for extension in (state.last, state.extensions[0]):
         if objection := context.doubts.get((context.key(extension), name)):

@@ -45,7 +45,7 @@ class Extension:
         return max(share, fitted)
 
     def outvotes(self, later: Extension, rules: Rules = RULES) -> bool:
-        """Whether what `later` adds repeats over many recordings, and those held out lose little beside what it gains.
+        """True if what `later` adds repeats over many recordings, and those held out lose little beside what it gains.
 
         In units of torque: quiet recordings that happen to be held out lose next to nothing.
         """
@@ -89,7 +89,7 @@ class State:
 
     @property
     def numbers(self) -> int:
-        """How many parameters the accepted terms have together."""
+        """Number of parameters of all accepted terms."""
         return sum(score.candidate.numbers for score in self.accepted)
 
     def grown(self, *extensions: Extension) -> State:

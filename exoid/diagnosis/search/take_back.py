@@ -44,7 +44,7 @@ def left_over(context: SearchContext, extension: Extension) -> Remainder | None:
 
 
 def _of_filter(left: Remainder, extension: Extension, rules: Rules) -> bool:
-    """Whether a curve explains no more than filter and derivatives get wrong at its joint."""
+    """True if a curve explains no more than filter and derivatives get wrong at its joint."""
     j = extension.fitted.model.joint_names.index(left.joint)
     explained = np.sqrt(left.share) * extension.fitted.evaluation_rms[j]
     return bool(explained <= rules.artefact * extension.fitted.prepared.filter_error[j])
@@ -68,12 +68,12 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
         here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
         disturbed = left is not None and left.joint == joint
         single = [n for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
-        for one in _in_turn(without, here, single):
-            context.tick(0.9, f"comparing {' and '.join(one.names)} with a curve without physics")
-            now, several = one.extension.fitted, len(one.names) > 1
-            winner = beaten(now, one.evidence, joint, one.columns, one.numbers, several=several)
+        for item in _in_turn(without, here, single):
+            context.tick(0.9, f"comparing {' and '.join(item.names)} with a curve without physics")
+            now, several = item.extension.fitted, len(item.names) > 1
+            winner = beaten(now, item.evidence, joint, item.columns, item.numbers, several=several)
             if winner is not None:
-                return frozenset({*one.names, *_superseded(context, one.extension, one.evidence, winner, joint)})
+                return frozenset({*item.names, *_superseded(context, item.extension, item.evidence, winner, joint)})
     return frozenset()
 
 

@@ -102,7 +102,7 @@ def separate(
         found = _search(space, measure, asked.generations, asked.seed, say)
         say(0.85, "evaluating the motions")
         motion = least_of(found, lambda one: -min(measure.motion(one).values()))
-    usual = [measure.motion(one) for one in drawn] if pairs else []
+    usual = [measure.motion(item) for item in drawn] if pairs else []
     return Separation(
         model=base,
         rivals=tuple(truths),
@@ -111,7 +111,7 @@ def separate(
         apart=measure.motion(motion) if motion is not None else {},
         present=measure.recordings(prepared.train) if prepared is not None else None,
         present_seconds=sum(len(one.kept) / one.kept_rate for one in prepared.train) if prepared else 0.0,
-        usual={pair: float(np.median([one[pair] for one in usual])) for pair in measure.names},
+        usual={pair: float(np.median([entry[pair] for entry in usual])) for pair in measure.names},
         noise=noise,
         duration=asked.duration,
         cutoff=filter_,
@@ -199,7 +199,7 @@ def _has(numbers: Numbers, term: Term) -> bool:
 
 
 def _possible(model: Model, linear: Float, term: Term) -> bool:
-    """Whether the rival's own coefficients lie within their physical bounds and are not all zero."""
+    """True if the rival's own coefficients lie within their physical bounds and are not all zero."""
     own = [(v, p) for v, p in zip(linear, model.parameters, strict=True) if p.term == term.name]
     inside = all((p.min is None or v >= p.min) and (p.max is None or v <= p.max) for v, p in own)
     return inside and (not own or any(v != 0.0 for v, _ in own))
@@ -209,13 +209,13 @@ def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[int, in
     """Return the (truth, rival) that a motion can distinguish at all."""
     place = {truth.name: k for k, truth in enumerate(truths)}
     lost = set()
-    for one in same:
-        if one.second:
-            lost.add((place[one.first], place[one.second]))
-            if one.mutual:
-                lost.add((place[one.second], place[one.first]))
+    for item in same:
+        if item.second:
+            lost.add((place[item.first], place[item.second]))
+            if item.mutual:
+                lost.add((place[item.second], place[item.first]))
         else:
-            lost |= {(place[one.first], k) for k in range(len(truths))}
+            lost |= {(place[item.first], k) for k in range(len(truths))}
     count = len(truths)
     return tuple((a, b) for a in range(count) for b in range(count) if a != b and (a, b) not in lost)
 
@@ -228,7 +228,7 @@ def _search(space: MotionSpace, measure: Distances, generations: int, seed: int,
         return [space.inside(swing, offset) for swing, offset in zip(swings, offsets, strict=True)]
 
     def fitness(y: Float) -> Float:
-        return np.array([-measure.smallest(one) for one in stretched(y)])
+        return np.array([-measure.smallest(item) for item in stretched(y)])
 
     edge = np.ones(space.size)
     run = minimise(

@@ -136,12 +136,12 @@ def residual_noise(
 
 def distance(truth: Rival, rival: Model, prepared: Sequence[PreparedRecording], noise: Noise, start: Float) -> float:
     """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
-    made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)) for one in prepared]
-    told = [replace(one, torque=torque) for one, torque in zip(prepared, made, strict=True)]
+    made = [recording.smooth(truth.model.torque(recording.motion, truth.linear, truth.shape)) for recording in prepared]
+    told = [replace(item, torque=torque) for item, torque in zip(prepared, made, strict=True)]
     assembly = Assembly(rival, told)
-    root = [np.sqrt(noise.weight / one.kept_rate) for one in prepared]
+    root = [np.sqrt(noise.weight / entry.kept_rate) for entry in prepared]
     weights = np.concatenate(
-        [np.tile(w[:, None], (1, len(one.kept))) for w, one in zip(root, prepared, strict=True)], axis=1
+        [np.tile(w[:, None], (1, len(element.kept))) for w, element in zip(root, prepared, strict=True)], axis=1
     )
 
     def weighted(data: LinearData) -> LinearData:

@@ -40,7 +40,7 @@ class Same(AsJson):
 
     @property
     def mutual(self) -> bool:
-        """Whether each can stand for the other; if not, `second` can always imitate `first`, but not the reverse."""
+        """True if each can stand for the other; if not, `second` can always imitate `first`, but not the reverse."""
         return "is contained in" not in self.relation
 
     @property
@@ -61,13 +61,13 @@ def same_torques(base: Model, rivals: Sequence[Term]) -> tuple[Same, ...]:
     names = {term.name: term for term in rivals}
     found: list[Same] = []
     absorbed: dict[str, list[str]] = {}
-    for one in structural_look_alikes(base, rivals):
-        if one.absorbed:
-            absorbed.setdefault(one.names[0].rpartition(".")[0], []).append(one.relation)
-        elif set(one.names) <= set(names):
-            first, second = one.names
+    for alike in structural_look_alikes(base, rivals):
+        if alike.absorbed:
+            absorbed.setdefault(alike.names[0].rpartition(".")[0], []).append(alike.relation)
+        elif set(alike.names) <= set(names):
+            first, second = alike.names
             ways = other_ways(base, names[first], names[second])
-            found.append(Same(first, second, one.relation.removesuffix(", up to numbers of the model"), ways))
+            found.append(Same(first, second, alike.relation.removesuffix(", up to numbers of the model"), ways))
     for name, relations in absorbed.items():
         numbers = {*names[name].effect.coefficients, *names[name].effect.shape}
         if len(relations) == len(numbers):
@@ -98,7 +98,7 @@ def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
 
 
 def _apart(base: Model, one: Term, other: Term | None, load: bool, lean: bool) -> bool | None:
-    """Return whether a second set-up separates the rivals; None where that cannot be computed."""
+    """True if a second set-up separates the rivals; None where that cannot be computed."""
     terms = [*base.terms, one, *([other] if other is not None else [])]
     tilt = "gravity_tilt"
     try:
@@ -138,7 +138,7 @@ def _setting(whole: Tangents, model: Model, load: bool, lean: bool) -> Float:
 
 
 def _inside(known: Float, columns: Float) -> bool:
-    """Whether every one of `columns` is a combination of the `known` ones."""
+    """True if every one of `columns` is a combination of the `known` ones."""
     scale = np.linalg.norm(known, axis=0)
     basis, triangle = np.linalg.qr(known / np.where(scale > 0.0, scale, 1.0))
     left, size, _ = np.linalg.svd(triangle)

@@ -59,13 +59,13 @@ class Separation(AsJson):
     @property
     def smallest(self) -> float:
         """The smallest distance of any pair, σ; zero where some pair makes the same torque."""
-        if any(one.mutual for one in self.same) or not self.apart:
+        if any(item.mutual for item in self.same) or not self.apart:
             return 0.0
         return min(self.apart.values())
 
     @property
     def separable(self) -> bool:
-        """Whether every pair will be at least `ENOUGH` σ apart."""
+        """True if every pair will be at least `ENOUGH` σ apart."""
         return self.smallest >= ENOUGH
 
     @property
@@ -77,7 +77,7 @@ class Separation(AsJson):
     @property
     def sentence(self) -> str:
         """The answer for a person."""
-        blind = [one.sentence for one in self.same]
+        blind = [item.sentence for item in self.same]
         if not self.apart:
             return ". ".join(blind) + "."
         text = f"{self.duration:g} s of this motion put the closest rivals {min(self.apart.values()):.1f} σ apart"
@@ -94,9 +94,9 @@ class Separation(AsJson):
         for pair, far in self.apart.items():
             now = "" if self.present is None else f", present recordings {self.present[pair]:.1f} σ"
             lines.append(f"  {pair[0]} true, {pair[1]} fitted: {far:.1f} σ; at random {self.usual[pair]:.1f} σ{now}")
-        lines += [f"  {one.sentence}" for one in self.rivals]
+        lines += [f"  {rival.sentence}" for rival in self.rivals]
         lines.append(f"  noise: {self.noise}")
-        lines += [f"  instead: {way}" for one in self.same for way in one.ways]
+        lines += [f"  instead: {way}" for item in self.same for way in item.ways]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:

@@ -54,13 +54,13 @@ class History(AsJson):
     def switch(self, name: str) -> History:
         """Return the history with the effect switched off, or on again; EffectError where there is none."""
         layer = self._find(name)
-        layers = tuple(replace(one, on=not one.on) if one is layer else one for one in self.now.layers)
+        layers = tuple(replace(item, on=not item.on) if item is layer else item for item in self.now.layers)
         return self._then(f"{name} {'off' if layer.on else 'on'}", layers)
 
     def remove(self, name: str) -> History:
         """Return the history without the effect; EffectError where there is none."""
         layer = self._find(name)
-        return self._then(f"− {name}", tuple(one for one in self.now.layers if one is not layer))
+        return self._then(f"− {name}", tuple(item for item in self.now.layers if item is not layer))
 
     def go(self, place: int) -> History:
         """Return the history at another of its steps; EffectError where there is no such step."""

@@ -142,7 +142,7 @@ class Ranking:
         return self._word
 
     def _times_left(self, score: Score) -> float:
-        """Return how many times the noise would be left beside a candidate at its joints."""
+        """Error beside a candidate at its joints as a multiple of the noise."""
         trial, floor = self.trial(score.name), np.maximum(sensor_noise(self.fitted.prepared), 1e-300)
         return 0.0 if trial is None else float(np.max((trial.evaluation_rms / floor)[list(score.candidate.joints)]))
 
@@ -151,7 +151,7 @@ class Ranking:
         each candidate would take away. Its numbers are those for all recordings: nothing is fitted to the selection.
         """
         parts = zip(selected, self.fitted.prepared.all, strict=True)
-        weight = [chosen * one.used / self.evidence.sigma[:, None] ** 2 for chosen, one in parts]
+        weight = [chosen * item.used / self.evidence.sigma[:, None] ** 2 for chosen, item in parts]
         before = sum(float(np.sum(w * r**2)) for w, r in zip(weight, self.fitted.residuals, strict=True))
         if not before > 0.0:
             return {}

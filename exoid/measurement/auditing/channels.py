@@ -72,7 +72,7 @@ def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
 def torque_spans(recording: Recording) -> list[float]:
     """Return the middle 80 % of every joint's torque; what is below NOTHING of the largest reads next to nothing."""
     torques = channels(recording, "tau")
-    return [float(np.ptp(np.percentile(one.some, [10, 90]))) if one.some.size else 0.0 for one in torques]
+    return [float(np.ptp(np.percentile(torque.some, [10, 90]))) if torque.some.size else 0.0 for torque in torques]
 
 
 def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:

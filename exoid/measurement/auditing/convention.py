@@ -107,13 +107,13 @@ def check_conventions(
     found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces))
     found = _with_counts(recordings, sets, found)
     if found is None and len(recordings) > 1:
-        alone = ((one, better_reading([one], weighs, forces)) for one in _odd(recordings, weighs, forces))
+        alone = ((item, better_reading([item], weighs, forces)) for item in _odd(recordings, weighs, forces))
         return tuple(
-            _finding([one], better, f"{_file(one)}=")
-            for one, better in alone
+            _finding([entry], better, f"{_file(entry)}=")
+            for entry, better in alone
             if better is not None
-            and _stands(_read_so(every, [one], better, weighs, forces)) < together
-            and not _only_in_part([one], better, smoothed_groups([one], weighs, forces))
+            and _stands(_read_so(every, [entry], better, weighs, forces)) < together
+            and not _only_in_part([entry], better, smoothed_groups([entry], weighs, forces))
         )
     if found is None or _only_in_part(recordings, found, sets):
         return ()
@@ -129,7 +129,7 @@ def _with_zeros(
     counts a zero at a right angle is no likelier than any other, unless it is the one that fits.
     """
     counted = counted_joints(recordings)
-    if not counted or (found is not None and not any(one.zero for one in found.reading.names)):
+    if not counted or (found is not None and not any(name.zero for name in found.reading.names)):
         return found
     now = _stands(sets)
     reading, left = best_zeros(sets, counted)
@@ -149,10 +149,10 @@ def _with_counts(
     how many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
     """
     counted = {recordings[0].joints[k].name for k in counted_joints(recordings)}
-    geared = [] if found is None else [one.name for one in found.reading.names if "-motor=" in one.name]
+    geared = [] if found is None else [entry.name for entry in found.reading.names if "-motor=" in entry.name]
     if found is None or not geared or not counted.issuperset(name.partition("-motor=")[0] for name in geared):
         return found
-    names = [one.name.replace("-motor=", "-motor-angle=") for one in found.reading.names]
+    names = [item.name.replace("-motor=", "-motor-angle=") for item in found.reading.names]
     reading = hypothesis(names, recordings[0].joints)
     left = float(power_left(sets, [reading])[0])
     return replace(found, reading=reading, then=left) if left < AS_GOOD * found.then else found
@@ -166,12 +166,12 @@ def _odd(
     """
     if not is_spatial(recordings[0].joints):
         return recordings
-    left = [_stands(sets) if (sets := smoothed_groups([one], weighs, forces)) else 0.0 for one in recordings]
+    left = [_stands(sets) if (sets := smoothed_groups([item], weighs, forces)) else 0.0 for item in recordings]
     return [one for one, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
 
 
 def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequence[Sequence[Smooth]]) -> bool:
-    """Whether something that acts in part of the time explains more than the `better` reading of `recordings` does.
+    """True if something that acts in part of the time explains more than the `better` reading of `recordings` does.
 
     Not asked in space, where links have so many numbers that some fit any part.
     """
@@ -182,7 +182,7 @@ def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequenc
 
 def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:
     """Return the motions as the files hold them, where all were read alike: the option to give is looked for there."""
-    kept = {one.conventions for one in recordings}
+    kept = {recording.conventions for recording in recordings}
     return [[undone(motion, *kept) if len(kept) == 1 else motion for motion in group] for group in sets]
 
 
@@ -197,12 +197,12 @@ def _read_so(
         q, tau = better.reading.map.applied(*kept.undone(one.q, one.tau))
         return replace(one, q=q, tau=tau, dq=None, ddq=None)
 
-    strange = {id(one) for one in odd}
+    strange = {id(item) for item in odd}
     return smoothed_groups([other(one) if id(one) in strange else one for one in recordings], weighs, forces)
 
 
 def _known(recording: Recording) -> bool:
-    """Whether the lengths of its machine are known, or need not be: joints that nobody named have none. What a base or
+    """True if the lengths of its machine are known, or need not be: joints that nobody named have none. What a base or
     a force does to one in space is not asked here.
     """
     joints = recording.joints
@@ -216,20 +216,20 @@ def _file(recording: Recording) -> str:
 
 
 def _steps(recordings: Sequence[Recording], found: Better) -> str:
-    """Return how many steps a turn of the encoders would have whose angles count on a motor's side."""
-    said = {one.check: one.value for one in recordings[0].findings if one.value}
+    """Steps per turn of encoders whose angles count on a motor's side."""
+    said = {finding.check: finding.value for finding in recordings[0].findings if finding.value}
     every = []
     for k, joint in enumerate(recordings[0].joints):
         ratio = float(abs(found.reading.map.angle[k, k]))
         step = said.get(COUNTED.format(f"q{k + 1}"))
-        geared = any(one.name.startswith(f"{joint.name}-motor") for one in found.reading.names)
+        geared = any(name.name.startswith(f"{joint.name}-motor") for name in found.reading.names)
         if step and geared and 0.0 < ratio != 1.0:
             every.append(f"q{k + 1} about {2 * np.pi / (abs(step) * ratio):.0f} instead of {2 * np.pi / abs(step):.4g}")
     return f"; or its encoders have other steps a turn than --units says ({', '.join(every)})" if every else ""
 
 
 def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
-    option, *same = (",".join(one.name for one in reading.names) for reading in (found.reading, *found.same))
+    option, *same = (",".join(name.name for name in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
     machine = machine_word(joints)
     what = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
@@ -269,7 +269,7 @@ def better_reading(
     left, quiet = np.zeros(0), quiet_torques(sets)
     still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)
     for stage in stages(now, turning_joints(sets), joints, still):
-        more = [one for one in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(one, quiet)]
+        more = [item for item in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(item, quiet)]
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])
         if left.min(initial=np.inf) <= settled:
@@ -281,18 +281,18 @@ def better_reading(
     few = min(cost_of(kinds[k]) for k in as_good)
     chosen = ascending((k for k in as_good if cost_of(kinds[k]) == few), lambda k: left[k], 1.0)
     others = tuple(kinds[k] for k in chosen[1:4])
-    if any(one.name.count("-motor") for one in kinds[chosen[0]].names):
+    if any(name.name.count("-motor") for name in kinds[chosen[0]].names):
         return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())
     least, *more = left[chosen[:4]]
-    same = tuple(one for one, value in zip(others, more, strict=True) if tied([least, value], 1.0).all())
+    same = tuple(other for other, value in zip(others, more, strict=True) if tied([least, value], 1.0).all())
     return Better(kinds[chosen[0]], now, float(left[chosen[0]]), others, same)
 
 
 def _another(reading: ConventionHypothesis, quiet: NDArray[np.bool_]) -> bool:
-    """Whether `reading` exchanges the columns of a joint whose torque is `quiet`: beside a joint that only swings along
+    """True if `reading` exchanges the columns of a joint whose torque is `quiet`: beside a joint that only swings along
     any torque fits, so none says that it is another's.
     """
-    turned = (part for one in reading.names for part in (one.angle, one.torque) if part)
+    turned = (part for name in reading.names for part in (name.angle, name.torque) if part)
     return any(quiet[k] and row[k] == 0.0 for part in turned for k, row in enumerate(part))
 
 

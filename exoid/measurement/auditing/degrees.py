@@ -55,12 +55,12 @@ def read_degrees(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
 
 
 def is_limb(joint: Joint) -> bool:
-    """Whether this is a joint of a person or of what a person wears, which stops within a turn."""
+    """True if this is a joint of a person or of what a person wears, which stops within a turn."""
     return joint.turns and not LIMBS.isdisjoint(words_in(joint.name))
 
 
 def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str, float]) -> bool:
-    """Whether all angles can only be degrees: nobody said a unit, and all reach further than any in rad."""
+    """True if all angles can only be degrees: nobody said a unit, and all reach further than any in rad."""
     if draft.told.intersection(reach) or not all(map(is_limb, draft.joints)):
         return False
     if not (max(reach.values()) > TURNS and min(reach.values()) > EACH and max(reach.values()) < ROUND):
@@ -86,7 +86,7 @@ def _before_a_gear(draft: Draft) -> bool:
     found = better_reading(
         [Recording(draft.file, draft.columns["t"], angles, torques, np.all(good, axis=1), joints=draft.joints)]
     )
-    return found is not None and any("-motor" in one.name for one in found.reading.names)
+    return found is not None and any("-motor" in name.name for name in found.reading.names)
 
 
 def _reach(draft: Draft, name: str) -> float:

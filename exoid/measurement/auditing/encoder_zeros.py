@@ -30,9 +30,9 @@ MOST_STEPS = 20
 
 def counted_joints(recordings: Sequence[Recording]) -> list[int]:
     """Return the joints whose angles are counts of an encoder in every recording, read without a convention."""
-    if is_spatial(recordings[0].joints) or any(one.conventions for one in recordings):
+    if is_spatial(recordings[0].joints) or any(item.conventions for item in recordings):
         return []
-    checks = [{finding.check for finding in one.findings} for one in recordings]
+    checks = [{finding.check for finding in recording.findings} for recording in recordings]
     return [
         k for k in range(len(recordings[0].joints)) if all(COUNTED.format(f"q{k + 1}") in there for there in checks)
     ][:MOST_JOINTS]
@@ -51,8 +51,8 @@ def best_zeros(sets: Sequence[Sequence[Smooth]], counted: Sequence[int]) -> tupl
         return some[k], float(left[k])
 
     places = np.arange(-180.0, 180.0, COARSE)
-    zeros, least = best([np.array(one) for one in product(places, repeat=len(counted))])
-    moves = [np.array(one) for one in product((0.0, -1.0, 1.0), repeat=len(counted))]
+    zeros, least = best([np.array(entry) for entry in product(places, repeat=len(counted))])
+    moves = [np.array(item) for item in product((0.0, -1.0, 1.0), repeat=len(counted))]
     for step in FINER:
         for _ in range(MOST_STEPS):
             near, left = best([zeros + step * move for move in moves])

@@ -50,12 +50,12 @@ class ConventionHypothesis:
     @property
     def what(self) -> str:
         """The reading in words."""
-        return " and ".join(one.what for one in self.names) or "angles and torques need no --convention"
+        return " and ".join(name.what for name in self.names) or "angles and torques need no --convention"
 
     @property
     def sides(self) -> bool:
-        """Whether it only changes signs and exchanges channels."""
-        return all(one.order in (0, 2) for one in self.names)
+        """True if it only changes signs and exchanges channels."""
+        return all(name.order in (0, 2) for name in self.names)
 
 
 Stage = Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]
@@ -77,7 +77,7 @@ def stages(now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, 
         yield lambda best: _extended(best, joints, still)
     yield lambda best: [*(_in_degrees(joints, still) if now > WRONG else ()), *_geared_readings(turning, joints)]
     if now > WRONG and all_tried:
-        yield lambda best: [one for one in readings(MOST, joints, still) if len(one.names) > FEW]
+        yield lambda best: [reading for reading in readings(MOST, joints, still) if len(reading.names) > FEW]
     if now > WRONG and not all_tried:
         for _ in range(MOST - FEW):
             yield lambda best: _extended(best, joints, still)
@@ -103,14 +103,14 @@ def _extended(
     best: Sequence[ConventionHypothesis], joints: tuple[Joint, ...], still: bool
 ) -> Sequence[ConventionHypothesis]:
     """Return `best` with one name more each, mirrored ones once."""
-    found: dict[tuple[float, ...], ConventionHypothesis] = {_key(one.map, joints, still): one for one in best}
+    found: dict[tuple[float, ...], ConventionHypothesis] = {_key(entry.map, joints, still): entry for entry in best}
     known = set(found)
-    for one, group in product(best, _groups_of_names(joints)):
-        if not any(named.name in option for named in one.names for option in group):
+    for item, group in product(best, _groups_of_names(joints)):
+        if not any(named.name in option for named in item.names for option in group):
             for option in group:
-                longer = hypothesis((*(named.name for named in one.names), *option), joints)
+                longer = hypothesis((*(named.name for named in item.names), *option), joints)
                 found.setdefault(_key(longer.map, joints, still), longer)
-    return [one for key, one in found.items() if key not in known]
+    return [element for key, element in found.items() if key not in known]
 
 
 def turning_joints(sets: Sequence[Sequence[Smooth]]) -> list[int]:
@@ -138,9 +138,9 @@ def _groups_of_names(joints: tuple[Joint, ...]) -> Sequence[Options]:
     if is_leg(joints):
         return LEG_OPTIONS
     found: dict[str, Options] = {}
-    for name, one in conventions_of_machine(joints).items():
+    for name, convention in conventions_of_machine(joints).items():
         if name != "degrees":
-            found.setdefault(_group(name, one.order, joints), []).append((name,))
+            found.setdefault(_group(name, convention.order, joints), []).append((name,))
     return list(found.values())
 
 
@@ -161,8 +161,8 @@ def readings(most: int = MOST, joints: tuple[Joint, ...] = LEG, still: bool = Tr
     """
     possible = [hypothesis(names, joints) for names in _chosen(_groups_of_names(joints), most) if _makes_sense(names)]
     found: dict[tuple[float, ...], ConventionHypothesis] = {}
-    for one in sorted(possible, key=cost_of):
-        found.setdefault(_key(one.map, joints, still), one)
+    for item in sorted(possible, key=cost_of):
+        found.setdefault(_key(item.map, joints, still), item)
     return tuple(found.values())
 
 
@@ -178,7 +178,7 @@ def _chosen(groups: Sequence[Options], most: int) -> Iterator[tuple[str, ...]]:
 
 
 def _makes_sense(names: tuple[str, ...]) -> bool:
-    """Whether a shank angle that counts from the horizontal is an absolute one."""
+    """True if a shank angle that counts from the horizontal is an absolute one."""
     return "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
 
 
@@ -189,7 +189,7 @@ def hypothesis(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> Convent
 
 
 def cost_of(one: ConventionHypothesis) -> float:
-    """Return how many changes a reading needs; among equals the usual ones cost a little less."""
+    """Number of changes that a reading needs; among equals the usual ones cost a little less."""
     return round(len(one.names) + sum(c.unusual for c in one.names), 6)
 
 
@@ -213,13 +213,13 @@ def _in_degrees(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHypot
     if not any(joint.turns for joint in joints):
         return ()
     some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints, still)
-    return tuple(hypothesis(("degrees", *(c.name for c in one.names)), joints) for one in some)
+    return tuple(hypothesis(("degrees", *(c.name for c in item.names)), joints) for item in some)
 
 
 def _geared_readings(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
     """Return readings on the motor's side of a gear, with the usual signs."""
     signs = ((), ("flexion-positive",)) if is_leg(joints) else ((),)
-    out = [one for part in ("", "angle") for sign in signs for one in _geared(turning, part, joints, sign)]
+    out = [item for part in ("", "angle") for sign in signs for item in _geared(turning, part, joints, sign)]
     if len(turning) > 1:
         for ratio, part in product(RATIOS, ("", "angle")):
             names = tuple(gear(joint, part, float(ratio), joints) for joint in turning)

@@ -24,7 +24,7 @@ WINDOW = 0.12
 def acts_in_part(
     sets: Sequence[Sequence[Smooth]], held: Sequence[Sequence[Smooth]], reading: ConventionHypothesis
 ) -> bool:
-    """Whether something that acts in part of the time explains motions as they stand (`sets`) better than another
+    """True if something that acts in part of the time explains motions as they stand (`sets`) better than another
     `reading` of what the files hold (`held`) explains them.
     """
     stands = left_in_part(sets, hypothesis((), sets[0][0].joints))

@@ -48,15 +48,15 @@ def smoothed_groups(
     say what they have measured of those, None the usual.
     """
     groups: dict[object, list[Smooth]] = {}
-    for one in recordings:
-        motion = smooth(one)
-        reach = [joint.reach for joint in one.joints]
+    for recording in recordings:
+        motion = smooth(recording)
+        reach = [joint.reach for joint in recording.joints]
         if (
             motion is not None
             and np.any(motion.q.std(axis=0) > 0.02 * np.array(reach))
             and np.any(motion.tau.std(axis=0) > 0.0)
         ):
-            groups.setdefault(one.payloads, []).append(replace(motion, weighs=weighs, meant=forces))
+            groups.setdefault(recording.payloads, []).append(replace(motion, weighs=weighs, meant=forces))
     return list(groups.values())
 
 
@@ -96,7 +96,7 @@ def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
 
 
 def _near(joints: Sequence[Joint]) -> NDArray[np.bool_]:
-    """Return which joints (J, J) are the same or neighbours."""
+    """Joints (J, J) that are the same or neighbours."""
     near = np.eye(len(joints), dtype=bool)
     for k, above in enumerate(parents(joints)):
         if above is not None:
@@ -130,7 +130,7 @@ class _Sums:
 
 def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sums:
     tau = np.concatenate([motion.tau for motion in group])
-    counts = np.concatenate([one.measured[:, None] & m for m, one in zip(moves, group, strict=True)])
+    counts = np.concatenate([item.measured[:, None] & m for m, item in zip(moves, group, strict=True)])
     apart = is_spatial(group[0].joints)
     if apart:  # small numbers of the links choose the reading there, and what sticks would drown them
         slow = SLOW * np.array([joint.reach for joint in group[0].joints])
@@ -139,11 +139,11 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sum
     mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
     tau = (tau - mean) * counts  # constant offsets are nobody's sign
     q, dq, ddq = (np.concatenate(parts) for parts in zip(*((one.q, one.dq, one.ddq) for one in group), strict=True))
-    known = [one.base for one in group if one.base is not None]
+    known = [recording.base for recording in group if recording.base is not None]
     base = np.concatenate(known) if len(known) == len(group) else None
     turn = to.angle.T
-    shared = [name for name in group[0].forces if all(name in one.forces for one in group)]
-    forces = {name: np.concatenate([one.forces[name] for one in group]) for name in shared}
+    shared = [name for name in group[0].forces if all(name in element.forces for element in group)]
+    forces = {name: np.concatenate([entry.forces[name] for entry in group]) for name in shared}
     q, dq, ddq, seen = q @ turn + to.zero, dq @ turn, ddq @ turn, np.asarray(counts.any(axis=1))
     whole = replace(group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen)
     y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)

@@ -254,7 +254,7 @@ def machine_columns(motion: Smooth) -> Float:
 
 
 def either_sign(motion: Smooth) -> int:
-    """Return how many of the first `machine_columns` may have negative numbers: those of links in space."""
+    """Number of the first `machine_columns` that may have negative numbers: those of links in space."""
     return len(base_parameters(motion.joints, _pull(motion))) if is_spatial(motion.joints) else 0
 
 
@@ -267,8 +267,8 @@ def _in_a_plane(motion: Smooth, base: Float | None) -> list[Sequence[Any]]:
     )
     turned = STILL if base is None else BaseMotion(angle=base[:, 0])
     weights = link_torques(joints, 1.0, list(q.T), still, still, np, turned) if motion.weighs else []
-    found: list[Sequence[Any]] = [one[kind] for one in links for kind in ("J", "X", "m")]
-    found += [one[kind] for one in weights for kind in ("X", "m")]
+    found: list[Sequence[Any]] = [link[kind] for link in links for kind in ("J", "X", "m")]
+    found += [weight[kind] for weight in weights for kind in ("X", "m")]
     # Where a link slides, the zero of its position is anybody's, and its first moment of either sign.
     slides = [k for k, joint in enumerate(joints) if not joint.turns]
     found += [[-x for x in of[k]["X"]] for k in slides for of in (links, weights) if of]
@@ -278,7 +278,7 @@ def _in_a_plane(motion: Smooth, base: Float | None) -> list[Sequence[Any]]:
 def _in_space(motion: Smooth) -> list[Sequence[Any]]:
     """Return the same of a spatial machine, of what a motion shows of its links."""
     joints, pull = motion.joints, _pull(motion)
-    wanted = [(one.link, one.kind) for one in base_parameters(joints, pull)]
+    wanted = [(parameter.link, parameter.kind) for parameter in base_parameters(joints, pull)]
     found = link_columns(joints, pull, list(motion.q.T), list(motion.dq.T), list(motion.ddq.T), np, wanted)
     return list(found)
 

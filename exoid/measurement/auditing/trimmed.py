@@ -111,9 +111,9 @@ def trimmed(windows: Windows, solve: Solver) -> Trimmed | None:
         return float(losses[chosen].sum()), chosen, x
 
     begun = [step(start, STEPS) for start in _starts(windows, most)]
-    best = order_of([one[0] for one in begun], float(windows.power.sum()))[:REFINED]
+    best = order_of([item[0] for item in begun], float(windows.power.sum()))[:REFINED]
     ended = [step(begun[k][1], MOST) for k in best]
-    _, chosen, x = ended[index_of_least([one[0] for one in ended], float(windows.power.sum()))]
+    _, chosen, x = ended[index_of_least([entry[0] for entry in ended], float(windows.power.sum()))]
     return Trimmed(x, chosen, windows.losses(x))
 
 

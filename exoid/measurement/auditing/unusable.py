@@ -25,7 +25,7 @@ MOST_MASKED = 0.3
 
 def without_rounding(recording: Recording) -> Recording:
     """Read a torque that is nothing but rounding (1e-149 N·m) as the zero that it stands for, and say so."""
-    largest = [float(np.max(np.abs(one.values), initial=0.0)) for one in channels(recording, "tau")]
+    largest = [float(np.max(np.abs(channel.values), initial=0.0)) for channel in channels(recording, "tau")]
     tau, findings = recording.tau.copy(), list(recording.findings)
     for k, (joint, most) in enumerate(zip(recording.joints, largest, strict=True)):
         if 0.0 < most <= NONE < max(largest):  # where all are, the audit refuses them as they stand

@@ -101,7 +101,7 @@ def write_runs(folder: str | Path, runs: Iterable[BenchRun]) -> tuple[tuple[Path
     paths.
     """
     several = tuple(runs)
-    paths = tuple(write_recording(one.recording, Path(folder) / f"{one.recording.name}.csv") for one in several)
+    paths = tuple(write_recording(item.recording, Path(folder) / f"{item.recording.name}.csv") for item in several)
     return paths, write_seal(Path(folder) / SEAL, several[0].truth, paths)
 
 

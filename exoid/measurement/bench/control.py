@@ -58,14 +58,14 @@ class Tracking:
 
     def find(self, name: str) -> Followed:
         """Return the run with the feed-forward of that name."""
-        return next(one for one in self.runs if one.name == name)
+        return next(run for run in self.runs if run.name == name)
 
     @property
     def sentence(self) -> str:
         """What the better model gains, in words."""
         parts = []
         for j, joint in enumerate(self.joints):
-            values = ", ".join(f"{1e3 * one.error[j]:.2g} mrad with {one.name}" for one in self.runs)
+            values = ", ".join(f"{1e3 * run.error[j]:.2g} mrad with {run.name}" for run in self.runs)
             parts.append(f"{joint}: {values}")
         return "Tracking error (RMS) on the bench. " + "; ".join(parts) + "."
 
@@ -74,8 +74,8 @@ class Tracking:
 
     def _rows(self) -> list[tuple[Any, ...]]:
         return [
-            (one.name, joint, 1e3 * float(one.error[j]), float(one.feedback[j]), float(one.effort[j]))
-            for one in self.runs
+            (run.name, joint, 1e3 * float(run.error[j]), float(run.feedback[j]), float(run.effort[j]))
+            for run in self.runs
             for j, joint in enumerate(self.joints)
         ]
 
@@ -88,7 +88,7 @@ class Tracking:
 
     def to_json(self) -> dict[str, Any]:
         """Return everything but the courses in plain types."""
-        return plain_dict({one.name: one for one in self.runs})
+        return plain_dict({run.name: run for run in self.runs})
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""
@@ -100,12 +100,12 @@ class Tracking:
             figure = new_figure(7.0, 5.5)
             axes = figure.subplots(2, len(self.joints), squeeze=False)
             for j, joint in enumerate(self.joints):
-                for k, one in enumerate(self.runs):
-                    axes[0, j].plot(one.t, 1e3 * one.course[:, j], color=f"C{k}", label=one.name, linewidth=1.0)
+                for k, run in enumerate(self.runs):
+                    axes[0, j].plot(run.t, 1e3 * run.course[:, j], color=f"C{k}", label=run.name, linewidth=1.0)
                 place = np.arange(len(self.runs))
-                axes[1, j].bar(place - 0.2, [1e3 * one.error[j] for one in self.runs], 0.4, label="error [mrad]")
-                axes[1, j].bar(place + 0.2, [one.feedback[j] for one in self.runs], 0.4, label="feedback [N·m]")
-                axes[1, j].set_xticks(place, [one.name for one in self.runs], rotation=25, ha="right")
+                axes[1, j].bar(place - 0.2, [1e3 * item.error[j] for item in self.runs], 0.4, label="error [mrad]")
+                axes[1, j].bar(place + 0.2, [entry.feedback[j] for entry in self.runs], 0.4, label="feedback [N·m]")
+                axes[1, j].set_xticks(place, [element.name for element in self.runs], rotation=25, ha="right")
                 axes[0, j].set(title=joint, xlabel="time [s]", ylabel="tracking error [mrad]")
                 axes[1, j].set(ylabel="RMS")
             axes[0, 0].legend(fontsize="small")

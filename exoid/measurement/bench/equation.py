@@ -27,7 +27,7 @@ from exoid.symbolic.term import Term
 
 
 def belongs_to_channel(term: Term) -> bool:
-    """Whether a term acts on the measured torque rather than on the leg.
+    """True if a term acts on the measured torque rather than on the leg.
 
     It does when it speaks of `tau_model`, or has an operator that works on a finished signal (delay, ddt, or
     one operator inside another).
@@ -101,8 +101,8 @@ def _build(model: Model, dt: float) -> Stepper:
     import casadi as ca
 
     form = model_expressions(model)
-    arguments = ca.vertcat(ca.SX(0, 1), *(one.argument for one in form.memories))
-    values = ca.vertcat(ca.SX(0, 1), *(REMEMBERED[one.operator][0](one.argument) for one in form.memories))
+    arguments = ca.vertcat(ca.SX(0, 1), *(memory.argument for memory in form.memories))
+    values = ca.vertcat(ca.SX(0, 1), *(REMEMBERED[item.operator][0](item.argument) for item in form.memories))
     given = [form.t, form.q, form.dq, form.ddq, form.linear, form.shape, form.base_motion, form.force]
     first = ca.Function("first", given, [ca.vertcat(arguments, values)])
     return Stepper(step_function(form, dt, [joint.reach for joint in model.joints]), first)

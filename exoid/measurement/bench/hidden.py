@@ -75,8 +75,8 @@ def parse_hidden(text: str) -> Hidden:
 def hidden_in(effects: str | Effect | Hidden | Iterable[str | Effect | Hidden]) -> tuple[Hidden, ...]:
     """Return what hides in a machine, one or several, those that are only named ("stribeck:knee=0.8") among them."""
     several = [effects] if isinstance(effects, (str, Effect, Hidden)) else effects
-    found = (parse_hidden(one) if isinstance(one, str) else one for one in several)
-    return tuple(Hidden(one) if isinstance(one, Effect) else one for one in found)
+    found = (parse_hidden(item) if isinstance(item, str) else item for item in several)
+    return tuple(Hidden(entry) if isinstance(entry, Effect) else entry for entry in found)
 
 
 @dataclass(frozen=True, eq=False)

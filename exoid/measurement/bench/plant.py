@@ -115,10 +115,10 @@ def _midpoint(ca: Any, form: Expressions, dt: float) -> Any:
         return ca.substitute([ca.SX(expression)], names, [q_m, v_m, a, s, memory])[0]
 
     blank, none = ca.SX.zeros(count), ca.SX(0, 1)
-    now = ca.vertcat(none, *(at(one.argument, blank) for one in form.memories))
+    now = ca.vertcat(none, *(at(entry.argument, blank) for entry in form.memories))
     values = [
-        REMEMBERED[one.operator][1](value[k], last[k], now[k], at(one.parameter, blank))
-        for k, one in enumerate(form.memories)
+        REMEMBERED[item.operator][1](value[k], last[k], now[k], at(item.parameter, blank))
+        for k, item in enumerate(form.memories)
     ]
     memory = ca.vertcat(none, *values)
     residual = at(form.torque, memory)

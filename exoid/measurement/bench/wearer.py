@@ -141,7 +141,7 @@ def borne(model: Model, motion: Motion, signals: Float) -> Float:
 
 
 def switch(model: Model, signals: Float) -> Float:
-    """Return what a foot switch says (N,) of the `signals` (N, C) of a pushed leg: 1 while the ground carries more than
+    """Signal of a foot switch (N,) from the `signals` (N, C) of a pushed leg: 1 while the ground carries more than
     TOUCH N; ExoidError where no ground acts.
     """
     frames = [force.frame for force in model.forces for _ in force.columns]

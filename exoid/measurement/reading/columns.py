@@ -273,7 +273,7 @@ def _side(
 
 
 def _differ(offers: Sequence[Offer]) -> bool:
-    """Whether the best of the offers are several columns that are not the same."""
+    """True if the best of the offers are several columns that are not the same."""
     fewest = min(reading.rank for reading, _ in offers)
     first, *others = (column for reading, column in offers if reading.rank == fewest)
     return any(not _same(first, other) for other in others)
@@ -298,7 +298,7 @@ def _same(one: RawColumn, other: RawColumn) -> bool:
 
 
 def _same_clock(one: RawColumn, other: RawColumn) -> bool:
-    """Whether two columns are one clock, counted from another instant or in a thousandth or so of its unit.
+    """True if two columns are one clock, counted from another instant or in a thousandth or so of its unit.
 
     Signals that were logged each with a time of its own (`q1.Time`, `tau1.Time`) do not share rows, so they must agree.
     """
@@ -406,7 +406,7 @@ def _counted_from_one(names: Sequence[str], count: int) -> tuple[dict[str, str],
         if not found:
             continue
         counted = [f"{found[1]}{k}{found[2]}" for k in range(count + 1)]
-        there = sum(one in names for one in counted)
+        there = sum(item in names for item in counted)
         if there == count and counted[-1] not in names:
             out |= dict(pairwise(counted))
         elif counted[1] in names and count > 1:

@@ -127,10 +127,10 @@ def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Conv
             Convention("degrees", 1, "the angles are in degrees", "the same as --units q=deg", degrees)
         )
     if is_leg(joints):
-        words = ((one, *OF_THE_LEG[one.name]) for one in found)
+        words = ((item, *OF_THE_LEG[item.name]) for item in found)
         found = [
-            replace(one, name=name, what=what, explains=explains, unusual=UNUSUAL.get(name, one.unusual))
-            for one, name, what, explains in words
+            replace(entry, name=name, what=what, explains=explains, unusual=UNUSUAL.get(name, entry.unusual))
+            for entry, name, what, explains in words
         ]
     return {one.name: one for one in sorted(found, key=lambda one: one.order)}
 
@@ -339,9 +339,9 @@ def combined_map(chosen: Iterable[Convention], joints: Sequence[Joint] = LEG) ->
     """Return the one map that applying `chosen` one after the other makes."""
     same = np.eye(len(joints))
     angle, zero, torque = same, np.zeros(len(joints)), same
-    for one in chosen:
-        step, force = (same if rows is None else np.array(rows) for rows in (one.angle, one.torque))
-        angle, zero, torque = step @ angle, step @ zero + (one.zero or 0.0), force @ torque
+    for item in chosen:
+        step, force = (same if rows is None else np.array(rows) for rows in (item.angle, item.torque))
+        angle, zero, torque = step @ angle, step @ zero + (item.zero or 0.0), force @ torque
     return Map(angle, zero, torque)
 
 
@@ -371,10 +371,10 @@ def read_as(recording: Recording, called: str | Iterable[str]) -> Recording:
         tau=tau,
         dq=None if recording.dq is None else recording.dq @ to.angle.T,
         ddq=None if recording.ddq is None else recording.ddq @ to.angle.T,
-        conventions=(*recording.conventions, *(one.name for one in chosen)),
+        conventions=(*recording.conventions, *(item.name for item in chosen)),
     )
 
 
 def _mapped(valid: NDArray[np.bool_], matrix: Float) -> NDArray[np.bool_]:
-    """Return which values (N, J) are valid after `matrix` (J, J): those of which every part is."""
+    """Values (N, J) that are valid after `matrix` (J, J): those of which every part is."""
     return valid if valid.all() else np.asarray((~valid).astype(float) @ (matrix != 0.0).T == 0.0)

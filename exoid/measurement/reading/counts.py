@@ -54,7 +54,7 @@ def counts_in(columns: Mapping[str, RawColumn], joints: Sequence[Joint]) -> dict
 
 
 def are_counts(name: str, values: Float, register: bool, joints: Sequence[Joint]) -> bool:
-    """Whether whole numbers without a unit can only be counts: a `register` held them, or they go too far."""
+    """True if whole numbers without a unit can only be counts: a `register` held them, or they go too far."""
     turning = kind_of(name, joints) in ("q", "tau")
     reach = REACH[quantity_of(name)] if turning else np.inf
     return register or bool(np.nanmax(np.abs(values), initial=0.0) > reach)
@@ -63,12 +63,12 @@ def are_counts(name: str, values: Float, register: bool, joints: Sequence[Joint]
 def question(counts: Mapping[str, Counts], joints: Sequence[Joint]) -> Asked:
     """Return what is asked of counts without a unit."""
     shown, options, notes = [], [], []
-    reach = {name: float(np.abs(one.values[np.isfinite(one.values)]).max()) for name, one in counts.items()}
+    reach = {name: float(np.abs(item.values[np.isfinite(item.values)]).max()) for name, item in counts.items()}
     most = max((size for name, size in reach.items() if quantity_of(name) == "q"), default=0.0)
-    circle = next((one for one in CIRCLES if one > most), CIRCLES[-1])  # encoders of one machine are mostly alike
-    for name, one in counts.items():
-        low, high = float(np.nanmin(one.values)), float(np.nanmax(one.values))
-        shown.append(f"{name} ({one.column!r}, {low:.0f} to {high:.0f})")
+    circle = next((entry for entry in CIRCLES if entry > most), CIRCLES[-1])  # encoders of one machine are mostly alike
+    for name, count in counts.items():
+        low, high = float(np.nanmin(count.values)), float(np.nanmax(count.values))
+        shown.append(f"{name} ({count.column!r}, {low:.0f} to {high:.0f})")
         if quantity_of(name) == "tau":
             options.append(f"{name}=Nm*0.001")
             notes.append(f"{name}: {SI_UNIT[kind_of(name, joints)]} of one count")
@@ -78,7 +78,7 @@ def question(counts: Mapping[str, Counts], joints: Sequence[Joint]) -> Asked:
         else:
             options.append(f"{name}=deg/{circle / TURN:.6g}")
             notes.append(f"angles: here {circle} counts a turn; rad/NUMBER where you know the counts of a radian")
-        if negative := always_negative(name, one):
+        if negative := always_negative(name, count):
             notes.append(f"{negative[0]}, {negative[1]}")
     angles = all(quantity_of(name) == "q" for name in counts)
     kind = "degrees, or counts of an encoder" if angles and most < TURN else "counts"
@@ -86,7 +86,7 @@ def question(counts: Mapping[str, Counts], joints: Sequence[Joint]) -> Asked:
     what = f"{' and '.join(shown)} are whole numbers without a unit: {kind}, and not {si}"
     if len(shown) == 1:
         what = what.replace(" are whole", " holds whole")
-    sure = "with your numbers" if any("/" in one or "*" in one for one in options) else "if it is so"
+    sure = "with your numbers" if any("/" in option or "*" in option for option in options) else "if it is so"
     return Asked(what, ",".join(options), f"{sure} ({'; '.join(dict.fromkeys(notes))})")
 
 

@@ -31,7 +31,7 @@ class Draft:
     missing: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
 
     def good(self, name: str) -> NDArray[np.bool_]:
-        """Return which cells (N,) of a column can be used."""
+        """Cells (N,) of a column that can be used."""
         return self.valid & ~self.missing[name] if name in self.missing else self.valid
 
     def without(self, name: str, cells: NDArray[np.bool_]) -> Draft:

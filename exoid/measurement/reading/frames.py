@@ -17,7 +17,7 @@ FRAMES = ("pandas.DataFrame", "polars.DataFrame", "polars.LazyFrame", "pyarrow.T
 
 
 def is_table(source: Any) -> bool:
-    """Whether this is a table or an array in memory, as `table_from` reads them or refuses them with a reason."""
+    """True if this is a table or an array in memory, as `table_from` reads them or refuses them with a reason."""
     kind = _kind(source)
     return kind in FRAMES or kind.startswith("xarray.") or isinstance(source, (np.ndarray, Mapping))
 
@@ -136,7 +136,7 @@ def _from_xarray(source: Any) -> RawTable:
 
 
 def _table(columns: list[tuple[str, Any, str]]) -> RawTable:
-    found = [one for name, cells, unit in columns for one in _columns(name, cells, unit)]
+    found = [column for name, cells, unit in columns for column in _columns(name, cells, unit)]
     rows = found[0].values.shape[0] if found else 0
     return RawTable(tuple(found), np.arange(1, rows + 1))
 

@@ -62,11 +62,11 @@ def lag_between(t: Float, q: Float, other_t: Float, other: Float, most: float = 
     best = index_of_least(left, 1.0)
     around = tried[best] + np.arange(-0.06, 0.0601, 0.004)
     sums = [_sums(ta, columns, tb, signals, lag, shortest) for lag in around]
-    value = _lowest(around, np.array([_left(one) for one in sums]))
+    value = _lowest(around, np.array([_left(entry) for entry in sums]))
     parts = []
     for out in range(GROUPS):
-        kept = [None if one is None else _without(one, out) for one in sums]
-        parts.append(_lowest(around, np.array([_left(one) for one in kept])))
+        kept = [None if item is None else _without(item, out) for item in sums]
+        parts.append(_lowest(around, np.array([_left(element) for element in kept])))
     spread = np.sqrt((GROUPS - 1) / GROUPS * np.sum((np.array(parts) - np.mean(parts)) ** 2))
     half = max(FLOOR, QUANTILE * float(spread))
     least = float(left[best])

@@ -53,7 +53,7 @@ def in_stretches(
             error.__cause__ = error.__context__ = None
             refused.append(error.with_traceback(None))
             continue
-        for key, finding in {(one.check, one.severity): one for one in recording.findings}.items():
+        for key, finding in {(element.check, element.severity): element for element in recording.findings}.items():
             kinds.setdefault(key, []).append(finding)
         start = float(recording.t[0])
         backwards += start < last and start != 0.0
@@ -66,7 +66,7 @@ def in_stretches(
     if not best:
         raise refused[0] if refused else RecordingError("the file holds no rows", where=where, remedy="record again")
     kept = [recording for _, (_, recording) in sorted(best.items())]
-    minutes = sum(one.duration for one in kept) / 60
+    minutes = sum(entry.duration for entry in kept) / 60
     what = f"{rows} rows in {count} pieces were audited; {len(kept)} stretches of them, {minutes:.0f} min in all, "
     what += "stand for it: of each part of the file that with most motion"
     said = [Finding("large", "repaired", what, where, remedy="cut out what matters most, if that is not it")]
@@ -76,7 +76,7 @@ def in_stretches(
     if backwards:
         what = f"time goes back between {backwards} pieces: the file holds more than one recording"
         said.append(Finding("large", "warning", what, where, remedy="cut it into one file per recording"))
-    out = [replace(one, name=_named(name, one), findings=()) for one in kept]
+    out = [replace(item, name=_named(name, item), findings=()) for item in kept]
     out[0] = out[0].with_findings((*said, *_together(kinds, count)))
     return tuple(out)
 

@@ -24,7 +24,7 @@ FOLLOWS = 0.9
 
 
 def counted_joints(names: Sequence[str]) -> int:
-    """Return how many joints columns count that are angles and torques by their names, from 0 or from 1: as many of one
+    """Number of joints of columns that are angles and torques by their names, from 0 or from 1: as many of one
     as of the other, 0 where that is not so.
     """
     stems: dict[str, dict[str, set[int]]] = {quantity: {} for quantity in HINTS}
@@ -37,7 +37,7 @@ def counted_joints(names: Sequence[str]) -> int:
             if hints & words:
                 stems[quantity].setdefault(f"{found[1]}#{found[3]}", set()).add(int(found[2]))
     counts = (
-        {len(one) for one in found.values() if max(one) - min(one) + 1 == len(one) and min(one) < 2}
+        {len(item) for item in found.values() if max(item) - min(item) + 1 == len(item) and min(item) < 2}
         for found in stems.values()
     )
     return max(set.intersection(*counts), default=0)

@@ -35,7 +35,7 @@ def with_time(table: RawTable, above: str, where: str) -> RawTable:
     plain = {re.sub(r"[\W_]", "", column.name).lower(): column.values for column in reversed(table.columns)}
     frames = next((plain[name] for name in plain if name in FRAMES), None)
     said = NAMED.findall(above) or NUMBER_ALONE.findall(above)
-    if frames is None or len(set(said)) != 1 or any(one and one.name == "t" for one in meant):
+    if frames is None or len(set(said)) != 1 or any(item and item.name == "t" for item in meant):
         return table
     rate = float(said[0])
     within = plain.get("subframe", np.zeros(frames.size))

@@ -92,7 +92,7 @@ def entries(path: Path) -> list[tuple[list[str], StatedMapping]]:
     remedy = "mend it, or move it elsewhere; exoid map FILE makes one"
     top = read_toml(path, MOST_BYTES, RecordingError, what="mapping", remedy=remedy, remember=False)
     top.only("recordings")
-    return [_entry(one) for one in top.tables("recordings")]
+    return [_entry(table) for table in top.tables("recordings")]
 
 
 def _entry(table: Table) -> tuple[list[str], StatedMapping]:
@@ -125,7 +125,7 @@ def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, repl
     path = folder / FILE
     mapping = StatedMapping(mapping.columns, mapping.units, mapping.leg)
     known = entries(path)
-    old = [one for header, one in known if header == list(names)]
+    old = [item for header, item in known if header == list(names)]
     if old and old[-1] == mapping:
         return path
     if old and not replacing:
@@ -147,10 +147,10 @@ def mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str,
         names = numbered(table.names)
         called = factors_of(wanted, names)
         if is_formula(wanted, names):
-            of = dict(zip(called, (_called(table, one, name, where) for one in called), strict=True))
+            of = dict(zip(called, (_called(table, entry, name, where) for entry in called), strict=True))
             found = _formula(wanted, of, f"{where}, --map {name}")
         else:
-            factors = tuple(_called(table, one, name, where) for one in called)
+            factors = tuple(_called(table, item, name, where) for item in called)
             found = factors[0] if len(factors) == 1 else _product(wanted, factors)
         double = [other for other, column in chosen.items() if column is found]
         if double:
@@ -161,7 +161,7 @@ def mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str,
 
 
 def is_formula(text: str, names: Collection[str]) -> bool:
-    """Whether `text` in a mapping is more than one of the `names` or a product of them: "12*(target-actual)".
+    """True if `text` in a mapping is more than one of the `names` or a product of them: "12*(target-actual)".
 
     Only one whose every column is there counts: hyphens and brackets stand in names too.
     """

@@ -134,7 +134,7 @@ def _array(data: memoryview, order: str, budget: Budget, depth: int) -> None:
         return
     _, sizes, at = _element(data, at, order)
     dims = struct.unpack(f"{order}{len(sizes) // 4}i", sizes[: len(sizes) // 4 * 4])
-    if any(one < 0 for one in dims):
+    if any(dim < 0 for dim in dims):
         raise Unsound("an array has a negative size")
     _, name, at = _element(data, at, order)
     count, left = math.prod(dims), len(data) - at

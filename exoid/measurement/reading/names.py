@@ -203,7 +203,7 @@ def words_in(name: str) -> frozenset[str]:
 
 
 def is_set_point(name: str, joints: tuple[Joint, ...]) -> bool:
-    """Whether `name` would say an angle or a torque, but for the word that says that it was only asked for."""
+    """True if `name` would say an angle or a torque, but for the word that says that it was only asked for."""
     words = [word for word in re.split(r"[\W_]+", _spaced(name).lower()) if word]
     measured = [word for word in words if word not in SET_POINTS]
     found = recognise("_".join(measured), joints) if len(measured) < len(words) else None
@@ -211,7 +211,7 @@ def is_set_point(name: str, joints: tuple[Joint, ...]) -> bool:
 
 
 def weak_time(name: str) -> bool:
-    """Whether `name` heads the time in some logs though it says nothing of the kind."""
+    """True if `name` heads the time in some logs though it says nothing of the kind."""
     return re.sub(r"[\W_]+", "", name).lower() in WEAK_TIME
 
 

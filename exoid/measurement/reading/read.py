@@ -170,7 +170,7 @@ def read_as_told(
     found = () if told.join else _in_pieces(Path(path), told, machine, progress, most_bytes)
     found = found or _of_every_leg(path, told, machine)
     for load in told.payloads:
-        found = tuple(one.with_payload(load.mass, load.along, load.link) for one in found)
+        found = tuple(item.with_payload(load.mass, load.along, load.link) for item in found)
     return found
 
 

@@ -100,7 +100,7 @@ def _signed(name: str, item: Assigned, where: str, joints: Sequence[Joint]) -> S
 
 
 def _by_turns(values: Float, factor: float) -> bool:
-    """Whether an angle jumps by whole turns, in its unit or in degrees."""
+    """True if an angle jumps by whole turns, in its unit or in degrees."""
     good = values[np.isfinite(values)]
     jump = float(np.abs(np.diff(good)).max(initial=0.0))
     return any(abs(jump * unit - 2 * np.pi) < 0.5 for unit in (factor, factor * DEGREE))

@@ -99,7 +99,7 @@ class _Register(NamedTuple):
 
 
 def is_whole(values: Float) -> bool:
-    """Whether all numbers that are there are whole, and some are."""
+    """True if all numbers that are there are whole, and some are."""
     some = values[:: max(1, values.size // 50)]
     with np.errstate(invalid="ignore"):
         return bool(np.all((some == np.round(some)) | np.isnan(some)) and np.isfinite(some).any()) and bool(
@@ -199,7 +199,7 @@ def _off(numbers: Float, steps: Float) -> Float:
 
 
 def _fits(good: Float, register: _Register) -> tuple[bool, bool]:
-    """Return whether numbers certainly come from a register, and whether they are likely to.
+    """True if numbers certainly come from a register, and whether they are likely to.
 
     They do where both signs are there and come near zero, every change of sign is a jump over half the register as the
     numbers stand, and none is a jump in what they mean; and where both signs are at the ends of a wide one, or of a
@@ -247,7 +247,7 @@ def _ends_apart(good: Float, top: float) -> Signed:
     smooth = False
     for meant in (np.where(upper, good - top, good), np.where(upper, good[upper].min() - good, good)):
         smooth |= _most(np.abs(np.diff(meant))[changes], 0.995) < SMOOTH * reach
-    span = next((one for one in FINE if top < one < 1.05 * top), 0.0)
+    span = next((item for item in FINE if top < item < 1.05 * top), 0.0)
     alike = abs(span - good[upper].mean() - good[~upper].mean()) < ALIKE * reach
     near = span - top < SMOOTH * reach
     if span and (alike or (smooth and near)):

@@ -100,7 +100,7 @@ def split_line(line: str, delimiter: str) -> list[str]:
 
 
 def is_number(cell: str, decimal: str) -> bool:
-    """Whether `cell` is empty or a number written with this decimal mark."""
+    """True if `cell` is empty or a number written with this decimal mark."""
     if decimal == ",":
         if "." in cell and not POINTS.fullmatch(cell):
             return False
@@ -249,12 +249,12 @@ def _header(
 
 
 def _is_full(cells: list[str], decimal: str) -> bool:
-    """Whether most cells are numbers."""
+    """True if most cells are numbers."""
     return sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
 
 
 def _is_sparse(cells: list[str], decimal: str) -> bool:
-    """Whether all cells that are not empty are numbers, two at least."""
+    """True if all cells that are not empty are numbers, two at least."""
     filled = [c for c in cells if c]
     return len(filled) >= 2 and all(is_number(c, decimal) for c in filled)
 
@@ -294,6 +294,6 @@ def _trimmed(cells: list[str], width: int, open_end: bool) -> list[str] | None:
 
 
 def _is_unit_row(cells: list[str]) -> bool:
-    """Whether most cells are units of some quantity."""
+    """True if most cells are units of some quantity."""
     filled = [cell for cell in cells if cell]
     return bool(filled) and sum(is_unit(cell.strip("[]() ")) for cell in filled) > 0.6 * len(filled)

@@ -98,11 +98,11 @@ def find_files(paths: str | Path | Sequence[str | Path]) -> tuple[list[str], dic
 
 def _in_folder(folder: Path) -> dict[str, str]:
     """Return {path: kind of other file, "" for a recording} of what lies in a folder, models and mappings apart."""
-    inside = sorted(one for one in folder.iterdir() if not one.name.startswith("."))
+    inside = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
     return {
-        str(one): "" if is_bag(one) else kind_of_file(one)
-        for one in inside
-        if is_bag(one) or (one.is_file() and one.suffix.lower() not in MODEL_FILES)
+        str(item): "" if is_bag(item) else kind_of_file(item)
+        for item in inside
+        if is_bag(item) or (item.is_file() and item.suffix.lower() not in MODEL_FILES)
     }
 
 
@@ -120,8 +120,8 @@ def kind_of_file(file: Path) -> str:
 
 
 def _holds_recording(suffix: str, size: int, stream: IO[bytes]) -> bool:
-    """Whether a format in which much else is written finds a recording; what is too long to look at counts as one."""
-    chosen = next((one for one in find_formats() if suffix.lower() in one.SUFFIXES), None)
+    """True if a format in which much else is written finds a recording; what is too long to look at counts as one."""
+    chosen = next((item for item in find_formats() if suffix.lower() in item.SUFFIXES), None)
     if chosen is None or not hasattr(chosen, "holds_recording") or size > LOOKED_AT:
         return True
     return bool(chosen.holds_recording(stream.read(LOOKED_AT)))
@@ -149,7 +149,7 @@ def _chosen(inside: dict[str, str], where: str, none: str, others: dict[str, str
 
 
 def is_bag(path: Path) -> bool:
-    """Whether `path` is a folder that ROS 2 recorded into."""
+    """True if `path` is a folder that ROS 2 recorded into."""
     return path.is_dir() and (path / BAG).is_file()
 
 
@@ -235,7 +235,7 @@ def opened(path: Path) -> Iterator[Path]:
 
 def _unpack(archive: Path, member: str, target: Path, where: str) -> None:
     with _archive(archive, where) as content:
-        entry = next((one for one in content.infolist() if one.filename == member), None)
+        entry = next((item for item in content.infolist() if item.filename == member), None)
         if entry is None:
             held = ", ".join(members(archive)[:10])
             raise RecordingError("the archive has no such member", where=where, remedy=f"it holds {held}")

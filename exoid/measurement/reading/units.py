@@ -32,7 +32,7 @@ NUMBER = re.compile(r"\d{1,12}(?:\.\d{0,12})?(?:[eE][+-]?\d{1,2})?|\.\d{1,12}", 
 
 
 def is_unit(text: str) -> bool:
-    """Whether `text` is a unit of any quantity a recording holds ("-" counts: a column without one)."""
+    """True if `text` is a unit of any quantity a recording holds ("-" counts: a column without one)."""
     word = plain_unit(text)
     return (
         word in PASSED_OVER
@@ -43,7 +43,7 @@ def is_unit(text: str) -> bool:
 
 
 def is_scaled(quantity: str, unit: str) -> bool:
-    """Whether `unit` says the quantity per something else ("Nm/kg", "%"): it becomes SI only with a further number."""
+    """True if `unit` says the quantity per something else ("Nm/kg", "%"): it becomes SI only with a further number."""
     word = plain_unit(unit)
     above, slash, below = word.rpartition("/")
     if slash:
@@ -71,7 +71,7 @@ def factor(quantity: str, unit: str, column_unit: str = "") -> float | None:
 
 
 def is_product(unit: str) -> bool:
-    """Whether `unit` is written with factors, as `Nm/A*0.123`."""
+    """True if `unit` is written with factors, as `Nm/A*0.123`."""
     return any(NUMBER.fullmatch(part.strip()) for part in re.split(r"[*·×/]", unit.strip().lstrip("+-")))
 
 

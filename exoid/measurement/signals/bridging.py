@@ -65,7 +65,7 @@ class Bridge:
 
     @property
     def means(self) -> int:
-        """How many ends there are; none where a joint sticks throughout, and nothing stands beside."""
+        """Number of ends; 0 where a joint sticks throughout, and nothing stands beside."""
         return self.begins.size if self.rows.size else 0
 
     @cached_property
@@ -82,7 +82,7 @@ class Bridge:
 
     @cached_property
     def _sizes(self) -> NDArray[np.int_]:
-        """How many samples (M,) make each end."""
+        """Number of samples (M,) of each end."""
         return np.diff(self._ends)
 
 

@@ -94,7 +94,7 @@ def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...], averaged: bool) -
     for _ in range(ROUNDS):
         hidden = bad | lost
         clean = straight(x, hidden)
-        found = np.logical_or.reduce([one.far(x, clean, hidden, least) for one in predictions]) & ~lost
+        found = np.logical_or.reduce([prediction.far(x, clean, hidden, least) for prediction in predictions]) & ~lost
         if np.array_equal(found, bad):
             break
         bad = found

@@ -69,7 +69,7 @@ class Use(AsJson):
 
     @property
     def holds(self) -> bool:
-        """Whether the limit is proven to hold at all times."""
+        """True if the limit is proven to hold at all times."""
         return self.share <= 1.0 + 1e-12
 
     def _json(self) -> dict[str, Any]:

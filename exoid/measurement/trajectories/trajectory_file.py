@@ -64,15 +64,15 @@ def read_trajectory(path: str | Path, joints: Sequence[str] = JOINTS) -> Fourier
         offset.append(own.number("offset"))
         sine.append(own.numbers("sine", count))
         cosine.append(own.numbers("cosine", count))
-    if len({len(one) for one in sine}) > 1:
-        counts = (f"the {joint} has {len(one)}" for joint, one in zip(joints, sine, strict=True))
+    if len({len(entry) for entry in sine}) > 1:
+        counts = (f"the {joint} has {len(item)}" for joint, item in zip(joints, sine, strict=True))
         what = f"harmonics differ: {', '.join(counts)}"
         raise TrajectoryError(what, where=top.where, remedy="fill the shorter lists with zeros")
     return Fourier(np.array(offset), np.array(sine), np.array(cosine), top.number("period", above=0.0))
 
 
 def samples_per_period(period: float, rate: float) -> int:
-    """Return how many samples at `rate` Hz a `period` in s has; TrajectoryError where that is no whole number."""
+    """Number of samples at `rate` Hz in a `period` in s; TrajectoryError where that is no whole number."""
     count = period * rate
     if not np.isfinite(count) or count > MOST_SAMPLES:
         raise TrajectoryError(f"{count:g} samples are too many", remedy="choose a lower rate")

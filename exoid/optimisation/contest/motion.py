@@ -76,7 +76,7 @@ class MotionContest(ContestSubject):
 
     @property
     def size(self) -> int:
-        """How many coefficients."""
+        """Number of coefficients."""
         return self._search(False).space.size
 
     @property
@@ -86,12 +86,12 @@ class MotionContest(ContestSubject):
 
     @property
     def standard(self) -> str:
-        """Where the best known is from."""
+        """Origin of the best known value."""
         each = ", ".join(f"{name} {value:.5g}" for name, value in self.known.items())
         return f"{MEANING[self.criterion]}, best known {self.best:.5g} ({each}); no optimum is claimed"
 
     def gap(self, value: Float) -> Float:
-        """Return how far values lie above the best known: of it, and of the mean half-axis of the ellipsoid."""
+        """Distance of values above the best known: as a share of it, and of the mean half-axis of the ellipsoid."""
         values = np.asarray(value, dtype=float)
         if self.criterion == "d_optimal":
             numbers = len(self._search(False).info.names)
@@ -108,7 +108,7 @@ class MotionContest(ContestSubject):
         entrant = search if isinstance(search, MotionEntrant) else MotionEntrant(search.optimiser, search.whitened)
         motions, half = self._search(entrant.penalised), entrant.width
         joints, _, width = motions.space.basis.shape
-        alone = np.concatenate([np.diag(one) for one in motions.space.basis])
+        alone = np.concatenate([np.diag(item) for item in motions.space.basis])
         scale = np.ones(joints * width) if search.whitened else alone
         edge = np.full(joints * width, half)
         problem = Problem(
@@ -128,7 +128,7 @@ class MotionContest(ContestSubject):
         return {"criterion": self.criterion, "known": dict(self.known)}
 
     def _search(self, penalised: bool) -> MotionSearch:
-        """Return what evaluates motions; it holds compiled code, so each process makes its own."""
+        """Evaluator of motions; it holds compiled code, so each process makes its own."""
         key = model_key(self.model), self.criterion, penalised
         if key not in _SEARCHES:
             _SEARCHES[key] = search_of(self.model, DesignSettings(criterion=self.criterion, printed=penalised))
@@ -162,12 +162,12 @@ def motion_contest(
     name = f"motions of {leg.name}"
     contest = MotionContest(name=name, model=leg, criterion=criterion, known={}, **given)
     found = found or design(leg, criterion=criterion, starts=STARTS, seed=seed)
-    values = sorted(((one.name, one.value) for one in found.candidates), key=lambda one: one[1])
+    values = sorted(((candidate.name, candidate.value) for candidate in found.candidates), key=lambda one: one[1])
     return replace(contest, known=dict(values))
 
 
 def motion_entrants(kinds: Mapping[str, Any], whitened: bool = False) -> dict[str, Search]:
-    """Return who competes: every one of `kinds` with rescaled motions and with the infinite penalty."""
+    """Entrants: every one of `kinds` with rescaled motions and with the infinite penalty."""
     found: dict[str, Search] = {name: MotionEntrant(kind()) for name, kind in kinds.items()}
     found |= {f"{name}_penalty": MotionEntrant(kind(), penalised=True) for name, kind in kinds.items()}
     if whitened:

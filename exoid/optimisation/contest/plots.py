@@ -22,7 +22,7 @@ DASHES = {"whitened": "--", "penalty": ":"}
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """What gaps are measured from, in words; the `targets` (T,) that are drawn; where gaps of zero are."""
+    """Reference of the gaps, in words; the `targets` (T,) that are drawn; where gaps of zero are."""
 
     name: str
     targets: Float
@@ -31,7 +31,7 @@ class Goal:
 
 @dataclass(frozen=True, eq=False)
 class Entrant:
-    """What is drawn of one optimiser: the best `gaps` (R, G) of its runs after `evaluations` (G,), the evaluations
+    """Curves of one optimiser: the best `gaps` (R, G) of its runs after `evaluations` (G,), the evaluations
     `hits` (R, T) at which each run came to each of the drawn targets, and its `runtimes`, one per target asked for.
     """
 
@@ -60,11 +60,11 @@ def _convergence(entrants: Sequence[Entrant], goal: Goal, axes: Axes, styles: Ma
     """Draw the median gap after each generation, and the band between the quartiles."""
     from matplotlib.ticker import MaxNLocator
 
-    for one in entrants:
-        found = np.maximum(quartiles(one.gaps), goal.floor)
+    for entrant in entrants:
+        found = np.maximum(quartiles(entrant.gaps), goal.floor)
         low, middle, high = np.where(np.isfinite(found), found, np.nan)  # what is infinite is not drawn
-        axes.semilogy(one.evaluations, middle, **styles[one.name])
-        axes.fill_between(one.evaluations, low, high, color=styles[one.name]["color"], alpha=0.18, linewidth=0)
+        axes.semilogy(entrant.evaluations, middle, **styles[entrant.name])
+        axes.fill_between(entrant.evaluations, low, high, color=styles[entrant.name]["color"], alpha=0.18, linewidth=0)
     axes.axhline(goal.floor, color=INK, linewidth=1.6)
     axes.annotate(
         goal.name, (1.0, goal.floor), xycoords=("axes fraction", "data"), ha="right",
@@ -80,8 +80,8 @@ def _solved(
 ) -> None:
     """Draw which share of all runs and targets was solved after how many evaluations."""
     grid = np.unique(np.round(np.logspace(0.0, np.log10(budget), 300)))
-    for one in entrants:
-        axes.semilogx(grid, runtime_ecdf(one.hits, grid), **styles[one.name])
+    for entrant in entrants:
+        axes.semilogx(grid, runtime_ecdf(entrant.hits, grid), **styles[entrant.name])
     axes.set(title="Targets solved", xlabel="evaluations", ylabel="share of runs × targets")
     targets = f"targets: gaps of {goal.targets[0]:g} … {goal.targets[-1]:.0e}"
     axes.annotate(targets, (0.03, 0.94), xycoords="axes fraction", fontsize="small", color=FAINT)
@@ -90,11 +90,11 @@ def _solved(
 
 def _runtimes(entrants: Sequence[Entrant], budget: int, axes: Axes, styles: Mapping[str, Any]) -> None:
     """Draw the expected running time to each target with its interval; without a hit there is none."""
-    for one in entrants:
-        style = styles[one.name]
-        shown = [r for r in one.runtimes if np.isfinite(r.ert)]
+    for entrant in entrants:
+        style = styles[entrant.name]
+        shown = [r for r in entrant.runtimes if np.isfinite(r.ert)]
         points = ([r.target for r in shown], [r.ert for r in shown])
-        axes.loglog(*points, marker="o", markersize=3.5, label=one.name, **style)
+        axes.loglog(*points, marker="o", markersize=3.5, label=entrant.name, **style)
         banded = [r for r in shown if np.isfinite(r.high)]
         band = ([r.target for r in banded], [r.low for r in banded], [r.high for r in banded])
         axes.fill_between(*band, color=style["color"], alpha=0.18, linewidth=0)
@@ -113,14 +113,14 @@ def _runtimes(entrants: Sequence[Entrant], budget: int, axes: Axes, styles: Mapp
 
 def _styles(entrants: Sequence[Entrant]) -> dict[str, dict[str, Any]]:
     """Return the line of each optimiser: one colour per algorithm, one dash per variant."""
-    variants = {one.name: next((word for word in DASHES if one.name.endswith(f"_{word}")), "") for one in entrants}
+    variants = {item.name: next((word for word in DASHES if item.name.endswith(f"_{word}")), "") for item in entrants}
     bases = {name: name.removesuffix(f"_{word}") for name, word in variants.items()}
     colours = [OKABE_ITO[c] for c in ("vermilion", "blue", "green", "orange", "purple", "sky", "yellow")]
     order = sorted(set(bases.values()), key=list(bases.values()).index)
     return {
-        one.name: {
-            "color": colours[order.index(bases[one.name]) % len(colours)],
-            "linestyle": DASHES.get(variants[one.name], "-"),
+        entrant.name: {
+            "color": colours[order.index(bases[entrant.name]) % len(colours)],
+            "linestyle": DASHES.get(variants[entrant.name], "-"),
         }
-        for one in entrants
+        for entrant in entrants
     }

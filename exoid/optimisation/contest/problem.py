@@ -60,17 +60,17 @@ class Contest(ContestSubject):
 
     @property
     def function(self) -> str:
-        """Which loss."""
+        """Name of the loss."""
         return "sse" if self.squared else "huber"
 
     @property
     def squared(self) -> bool:
-        """Whether the loss is the sum of squared errors."""
+        """True if the loss is the sum of squared errors."""
         return bool(np.isinf(self.delta).all())
 
     @property
     def size(self) -> int:
-        """How many linear parameters."""
+        """Number of linear parameters."""
         return int(self.data.columns.shape[2])
 
     @property
@@ -80,11 +80,11 @@ class Contest(ContestSubject):
 
     @property
     def standard(self) -> str:
-        """What the certificate says."""
+        """Statement of the certificate."""
         return str(self.certificate)
 
     def gap(self, value: Float) -> Float:
-        """Return how far losses lie above the certified optimum, relative to it; what rounding puts below is 0."""
+        """Distance of losses above the certified optimum, relative to it; what rounding puts below is 0."""
         best = self.certificate.primal
         # A perfect fit has a loss of rounding size, which is no measure of anything.
         scale = max(best, 1e-12 * huber(self.data.tau, self.delta), np.finfo(float).tiny)

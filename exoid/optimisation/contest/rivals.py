@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from exoid.optimisation.preparation.filtering import PreparedRecording
 
 def entrants(whitened: bool = False, problem: str = "identification") -> Mapping[str, Search]:
-    """Return who competes: NFO as printed and whitened, and every other file of `optimisers/` as it comes.
+    """Entrants: NFO as printed and whitened, and every other file of `optimisers/` as it comes.
 
     With `whitened` each of the others competes in whitened coordinates too. Of motions (`problem` "excitation") each
     competes with rescaled motions and with the infinite penalty.
@@ -99,7 +99,7 @@ def rivals(
 
 
 def _searches(asked: ContestSettings) -> dict[str, Search]:
-    """Return who competes, by name."""
+    """Entrants by name."""
     return dict(asked.competing or entrants(asked.whitened, asked.problem))
 
 

@@ -1,4 +1,4 @@
-"""How long optimisers take to come near the optimum, and whether a difference between two of them is chance.
+"""Expected running times of optimisers, and tests of the difference between two of them.
 
     ERT(target) = (evaluations of all runs until they hit it, or until they gave up) / (number of runs that hit it)
 
@@ -45,7 +45,7 @@ class Runtime(AsJson):
 
 @dataclass(frozen=True)
 class Difference(AsJson):
-    """Whether `first` differs from `second` in `question`: `wins` and `losses` of `first` over the pairs, p-values."""
+    """True if `first` differs from `second` in `question`: `wins` and `losses` of `first` over the pairs, p-values."""
 
     first: str
     second: str

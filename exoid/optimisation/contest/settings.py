@@ -1,4 +1,4 @@
-"""What a comparison of optimisers may be told."""
+"""Settings of a comparison of optimisers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ContestOptions(TypedDict, total=False):
 
 @dataclass(frozen=True, kw_only=True)
 class ContestSettings(VerbSettings):
-    """Who competes, how long, and where the runs are made and kept."""
+    """Entrants, budget, and the place where runs are made and kept."""
 
     seeds: int = setting(SEEDS, "runs of each optimiser", 0, 10_000)
     problem: str = setting(

@@ -1,4 +1,4 @@
-"""What a comparison of optimisers returns: who came how near the proven optimum, how fast, and how surely."""
+"""Result of a comparison of optimisers: distance to the proven optimum, time, and certainty."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class Rivals(AsJson):
 
     @property
     def _optimisers(self) -> dict[str, Any]:
-        """What JSON tells of each."""
+        """JSON of each optimiser."""
         return {
             name: {
                 "settings": repr(self.searches[name].optimiser),

@@ -60,7 +60,7 @@ class RunStore:
         return None
 
     def _holds(self, outcome: Outcome, search: Search) -> bool:
-        """Whether a run is one that can be: improvements in order, and at its best point the gap it names."""
+        """True if a run is one that can be: improvements in order, and at its best point the gap it names."""
         at, gaps = outcome.found_at, outcome.gaps
         if not (at.ndim == 1 and at.shape == gaps.shape and at.size and outcome.x.shape == (self._contest.size,)):
             return False

@@ -1,4 +1,4 @@
-"""What optimisers can compete on: a problem, a budget, and the best value that is known of it.
+"""Subject of a comparison of optimisers: a problem, a budget, and the best value that is known of it.
 
 Two problems have this form: the fit of a leg, whose optimum is proven (`problem.py`), and the design of a motion, of
 which a best known is there (`motion.py`).
@@ -62,7 +62,7 @@ class ContestSubject(ABC):
     @property
     @abstractmethod
     def size(self) -> int:
-        """How many numbers are sought."""
+        """Number of unknowns."""
 
     @property
     @abstractmethod
@@ -72,15 +72,15 @@ class ContestSubject(ABC):
     @property
     @abstractmethod
     def standard(self) -> str:
-        """How the least value is known, in words."""
+        """Origin of the least value, in words."""
 
     @abstractmethod
     def gap(self, value: Float) -> Float:
-        """Return how far values lie above the best, relative to it; at the best or below it is 0."""
+        """Distance of values above the best, relative to it; at the best or below it is 0."""
 
     @abstractmethod
     def value(self, x: Float, search: Search) -> float:
-        """Return what the point `x` (n,) that a run of `search` ended with is worth."""
+        """Value of the point `x` (n,) that a run of `search` ended with."""
 
     @abstractmethod
     def setting(self, search: Search, seed: int) -> tuple[Problem, Float]:
@@ -91,7 +91,7 @@ class ContestSubject(ABC):
         """Return a SHA-256 of everything about the problem and the budget that a result depends on."""
 
     def about(self) -> Mapping[str, Any]:
-        """Return what else is worth telling of the problem."""
+        """Further facts about the problem."""
         return {}
 
     def draws(self, seed: int, count: int) -> Float:

@@ -1,4 +1,4 @@
-"""What makes a motion good, from the information it carries.
+"""Criteria of a motion, from the information it carries.
 
 With G_j = Σ y y^T / N per joint (exoid/symbolic/codegen/information.py), n independent samples and noise
 of standard deviation σ_j:
@@ -126,7 +126,7 @@ def softened(gram: Float, power: float = 4.0) -> Float:
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """What is known when a motion is evaluated: `size` (M,) of each number (0: it has none), noise, duration in s."""
+    """Context in which a motion is evaluated: `size` (M,) of each number (0: it has none), noise, duration in s."""
 
     size: Float
     noise: Noise

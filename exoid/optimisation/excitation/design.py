@@ -110,7 +110,7 @@ def evaluate(
     duration: float = DURATION,
     use: float = 1.0,
 ) -> Excitation:
-    """Return how good a given motion is and what it makes of the model's limits, without any search."""
+    """Criterion and limits of a given motion, without any search."""
     began = time.perf_counter()
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
@@ -131,7 +131,7 @@ def evaluate(
 
 
 def evaluate_paper(period: float = 10.0, model: Model | None = None) -> Excitation:
-    """Return what the paper's published coefficients are worth at a `period` in s, which the paper does not print."""
+    """Evaluation of the paper's published coefficients at a `period` in s, which the paper does not print."""
     return evaluate(paper_trajectory(period), model, name="the paper's")
 
 

@@ -39,7 +39,7 @@ OPTIONS: Any = {
 
 @dataclass(frozen=True, eq=False)
 class MotionReference:
-    """Where IPOPT ended from each start: swings (I, J, 2K), offsets (I, J), iterations and its last word (I,)."""
+    """Ends of IPOPT from each start: swings (I, J, 2K), offsets (I, J), iterations and its last word (I,)."""
 
     swings: Float
     offsets: Float
@@ -94,7 +94,7 @@ def _solver(
     else:
         weight = aim.noise.weight * aim.duration
         unit = ca.DM(np.where(aim.size > 0.0, aim.size, 1.0))
-        weighed = [one * float(w) for one, w in zip(gram, weight, strict=True)]
+        weighed = [entry * float(w) for entry, w in zip(gram, weight, strict=True)]
         known = sum(weighed[1:], weighed[0]) * (unit @ unit.T)
         if criterion == "d_optimal":
             goal = -ca.log(ca.det(known))
@@ -104,8 +104,8 @@ def _solver(
             most = ca.mmax(variances)
             goal = ca.log(most) + ca.log(ca.sum1((variances / most) ** (2**squarings))) / 2**squarings
     limits = np.repeat(space.limits, GRID, axis=0).reshape(-1, GRID, 4)
-    lows = [np.concatenate([one[:, 0], -one[:, 2], -one[:, 3]]) for one in limits]
-    highs = [np.concatenate([one[:, 1], one[:, 2], one[:, 3]]) for one in limits]
+    lows = [np.concatenate([limit[:, 0], -limit[:, 2], -limit[:, 3]]) for limit in limits]
+    highs = [np.concatenate([item[:, 1], item[:, 2], item[:, 3]]) for item in limits]
     constraints = ca.vertcat(*(signals[kind][joint] for joint in range(len(space.limits)) for kind in range(3)))
     problem = {"x": x, "f": goal, "g": constraints, "p": scales}
     return ca.nlpsol("design", "ipopt", problem, OPTIONS), np.concatenate(lows), np.concatenate(highs)

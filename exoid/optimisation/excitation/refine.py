@@ -64,7 +64,7 @@ class Refinement:
         return y, value, spent
 
     def _round(self, y: Float, radius: float) -> tuple[Float, int]:
-        """Return where SLSQP ends within `radius`, and the motions evaluated."""
+        """End of SLSQP within `radius`, and the motions evaluated."""
         from scipy.optimize import minimize
 
         slopes, low, high = self._limits

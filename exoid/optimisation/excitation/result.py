@@ -1,4 +1,4 @@
-"""What a design returns: the motion, how good it is, what it makes of the limits, and what it will tell."""
+"""Result of a design: the motion, its criterion, its distance from the limits, and the precision it promises."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class DesignedMotion(AsJson):
 
 @dataclass(frozen=True)
 class Precision(AsJson):
-    """How well one number will be known: standard `deviation` in `unit`, and `relative` to its size (None: it has
+    """Expected precision of one number: standard `deviation` in `unit`, and `relative` to its size (None: it has
     none).
     """
 
@@ -103,13 +103,13 @@ class Excitation(AsJson):
 
     @property
     def feasible(self) -> bool:
-        """Whether every limit is proven to hold at all times."""
+        """True if every limit is proven to hold at all times."""
         return all(use.holds for use in self.uses)
 
     @property
     def informative(self) -> bool:
-        """Whether the motion informs about every number."""
-        return all(math.isfinite(one.deviation) for one in self.precision)
+        """True if the motion informs about every number."""
+        return all(math.isfinite(number.deviation) for number in self.precision)
 
     def __repr__(self) -> str:
         period, count = self.trajectory.period, self.trajectory.sine.shape[1]
@@ -124,7 +124,7 @@ class Excitation(AsJson):
         lines.append(
             f"  {word}; most used: {tightest.joint} {tightest.quantity}, {100 * tightest.share:.2f} % of the limit"
         )
-        known = [one for one in self.precision if one.relative is not None]
+        known = [number for number in self.precision if number.relative is not None]
         if known:
             worst = least_of(known, lambda one: -(one.relative or 0.0))
             lines.append(

@@ -118,7 +118,7 @@ class MotionSearch:
         return softened(gram, stage.power) if soft else CRITERIA[self.asked.criterion](gram, self.aim)
 
     def run(self) -> list[DesignedMotion]:
-        """Return what the search finds, and what that is refined to; NoMotionError where none is inside the limits."""
+        """Result of the search, before and after refinement; NoMotionError where none is inside the limits."""
         asked, began = self.asked, time.perf_counter()
         if asked.printed:
             return [self._printed()]
@@ -141,7 +141,7 @@ class MotionSearch:
         return [*found, self._candidate(f"{name}, refined", y[None], value, spent, time.perf_counter() - began)]
 
     def _printed(self) -> DesignedMotion:
-        """Return what NFO finds as the paper has it."""
+        """Result of NFO as the paper has it."""
         asked, began = self.asked, time.perf_counter()
         run = minimise(
             self._problem(self.value, asked.box), NFO(), individuals=asked.individuals,
@@ -247,7 +247,7 @@ class MotionSearch:
         return out
 
     def reference(self, starts: int) -> list[DesignedMotion]:
-        """Return where IPOPT ends from what short searches of its own find, best first."""
+        """Ends of IPOPT from the results of short searches of its own, best first."""
         began = time.perf_counter()
         points = [self._staged(SHORT, self._seed(k))[0] for k in range(starts)]
         ended = solve_motions(self.info, self.space, self.aim, self.asked.criterion, np.array(points))
@@ -265,7 +265,7 @@ class MotionSearch:
 
     @property
     def shiftable(self) -> bool:
-        """Whether a motion that starts later, or runs backwards, is the same motion to the criterion."""
+        """True if a motion that starts later, or runs backwards, is the same motion to the criterion."""
         return not self.info.model.terms and self.space.whole
 
     def _edge(self, width: float) -> Float:
@@ -304,7 +304,7 @@ def _with(field: Any, x: Float, f: float) -> tuple[Float, Float]:
 
 
 def _differences(size: int) -> int:
-    """Return how many evaluations a curvature costs in `size` dimensions."""
+    """Number of evaluations that a curvature costs in `size` dimensions."""
     return 1 + 2 * size + size * (size - 1) // 2
 
 

@@ -1,4 +1,4 @@
-"""What a design may be told: the motion, what it is evaluated by, and the search for it."""
+"""Settings of a design: the motion, its criterion, and the search for it."""
 
 from __future__ import annotations
 

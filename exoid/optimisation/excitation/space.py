@@ -1,4 +1,4 @@
-"""Where a search for motions looks: numbers in a box, each of them a motion inside the limits.
+"""Space of a search for motions: numbers in a box, each of them a motion inside the limits.
 
 The coefficients of one joint are W N y with y in [-1, 1]: W holds for each harmonic the amplitude with which it alone
 would meet the first limit, so that all directions weigh alike, and the columns of N span the coefficients that obey
@@ -46,7 +46,7 @@ class MotionSpace:
 
     @property
     def size(self) -> int:
-        """How many numbers the search has."""
+        """Number of variables of the search."""
         return int(self.basis.shape[0] * self.basis.shape[2] + (len(self.limits) if self.centre is None else 0))
 
     @property

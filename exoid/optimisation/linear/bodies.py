@@ -67,7 +67,7 @@ def nearest_bodies(
     rows = model.mixture.reshape(len(model.inertial), -1)
     known = _usual(model, phi) if near is None else tuple(near)
     # In units of the known bodies all numbers are near one.
-    before = np.array([pseudo_inertia(dict(zip(KINDS, one.numbers, strict=True))) for one in known])
+    before = np.array([pseudo_inertia(dict(zip(KINDS, item.numbers, strict=True))) for item in known])
     unit = np.sqrt(np.einsum("kii->ki", before))
     scale = unit[:, :, None] * unit[:, None, :]
     weights = np.einsum("pkn,nij->pkij", model.mixture, _WEIGHTS) * scale
@@ -92,8 +92,8 @@ def _exactly(rows: Float, found: Float, scale: Float, phi: Float) -> tuple[Body3
     numbers = numbers - (units.ravel() * (np.linalg.pinv(wide) @ (rows @ numbers.ravel() - phi))).reshape(-1, 10)
     flat = numbers.ravel()
     wrong = np.abs(rows @ flat - phi) > EXACT * np.maximum(np.abs(rows) @ np.abs(flat), np.abs(phi))
-    possible = [np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, one, strict=True))))[0] > 0.0 for one in numbers]
-    return None if wrong.any() or not all(possible) else tuple(body_of(one) for one in numbers)
+    possible = [np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, item, strict=True))))[0] > 0.0 for item in numbers]
+    return None if wrong.any() or not all(possible) else tuple(body_of(number) for number in numbers)
 
 
 def _usual(model: Model, phi: Float) -> tuple[Body3D, ...]:

@@ -53,7 +53,7 @@ class Certificate(AsJson):
 
     @property
     def holds(self) -> bool:
-        """Whether the claimed optimum is proven."""
+        """True if the claimed optimum is proven."""
         return bool(self.gap <= self.tolerance)
 
     def __str__(self) -> str:

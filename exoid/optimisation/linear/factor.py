@@ -36,7 +36,7 @@ class Factor:
 
     @property
     def rank(self) -> int:
-        """How many independent directions the data determine."""
+        """Number of independent directions that the data determine."""
         return int(self.basis.shape[1])
 
 
@@ -49,7 +49,7 @@ class Factors:
         self._still: tuple[Float, Float] | None = None
 
     def __call__(self, matrix: Float) -> Factor:
-        """Return what `factorise` returns, to rounding."""
+        """Factors as `factorise` returns them, to rounding."""
         last, self._last = self._last, matrix
         if last is None or last.shape != matrix.shape:
             self._moving, self._still = np.zeros(matrix.shape[1], dtype=bool), None

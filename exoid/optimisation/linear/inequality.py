@@ -24,7 +24,7 @@ class Inequality:
 
     @property
     def size(self) -> int:
-        """How many rows it has."""
+        """Number of its rows."""
         return len(self.entries)
 
     def matrix(self, linear: Float) -> Float:
@@ -32,11 +32,11 @@ class Inequality:
         return np.asarray(self.entries @ linear - self.margin * np.eye(self.size))
 
     def room(self, linear: Float) -> float:
-        """Return what its trace is below the most it may be."""
+        """Distance of its trace from the most it may be."""
         return self.most - float(np.einsum("iip,p->", self.entries, linear))
 
     def holds(self, linear: Float) -> bool:
-        """Return whether `linear` (P,) fulfils it."""
+        """True if `linear` (P,) fulfils it."""
         return bool(np.linalg.eigvalsh(self.matrix(linear))[0] >= 0.0) and self.room(linear) >= 0.0
 
     def condition(self, v: Float) -> tuple[Float, float]:

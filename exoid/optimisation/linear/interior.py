@@ -41,7 +41,7 @@ SHARE = 0.99
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """Where a minimum is looked for: bounds `low` and `high` (Q,), `inequalities`, and the middle of it.
+    """Region in which a minimum is looked for: bounds `low` and `high` (Q,), `inequalities`, and the middle of it.
 
     `towards` (Q,) is the slope that draws numbers to those that are usual, `weak` (Q,) a curvature towards `start`
     (Q,), which fulfils all strictly.
@@ -59,31 +59,31 @@ class Region:
         """Rows (C, Q) and constants (C,) of all conditions on one number: rows x + constants > 0."""
         eye = np.eye(self.low.size)
         below, above = np.isfinite(self.low), np.isfinite(self.high)
-        limited = [one for one in self.inequalities if np.isfinite(one.most)]
-        traces = [-np.einsum("iiq->q", one.entries)[None] for one in limited]
-        ends = [-self.low[below], self.high[above], np.array([one.most for one in limited])]
+        limited = [inequality for inequality in self.inequalities if np.isfinite(inequality.most)]
+        traces = [-np.einsum("iiq->q", limit.entries)[None] for limit in limited]
+        ends = [-self.low[below], self.high[above], np.array([item.most for item in limited])]
         return np.concatenate([eye[below], -eye[above], *traces]), np.concatenate(ends)
 
     @property
     def count(self) -> int:
-        """How many conditions there are."""
-        return len(self.lines[1]) + sum(one.size for one in self.inequalities)
+        """Number of conditions."""
+        return len(self.lines[1]) + sum(inequality.size for inequality in self.inequalities)
 
     def slope(self, x: Float) -> Float:
         """Return the slope (Q,) of the bracket at `x`."""
         rows, ends = self.lines
         found = self.towards + self.weak * (x - self.start) - rows.T @ (1.0 / (rows @ x + ends))
-        for one in self.inequalities:
-            found = found - np.einsum("ij,ijq->q", np.linalg.inv(one.matrix(x)), one.entries)
+        for inequality in self.inequalities:
+            found = found - np.einsum("ij,ijq->q", np.linalg.inv(inequality.matrix(x)), inequality.entries)
         return np.asarray(found)
 
     def rates(self, x: Float, step: Float) -> Float:
         """Return by which share of itself each distance to a condition grows along `step` from `x`."""
         rows, ends = self.lines
         found: list[Float] = [rows @ step / (rows @ x + ends)]
-        for one in self.inequalities:
-            root = np.linalg.inv(np.linalg.cholesky(one.matrix(x)))
-            found.append(np.asarray(np.linalg.eigvalsh(root @ (one.entries @ step) @ root.T)))
+        for inequality in self.inequalities:
+            root = np.linalg.inv(np.linalg.cholesky(inequality.matrix(x)))
+            found.append(np.asarray(np.linalg.eigvalsh(root @ (inequality.entries @ step) @ root.T)))
         return np.concatenate(found)
 
 
@@ -94,22 +94,22 @@ class _Duals:
         rows, ends = region.lines
         self.region = region
         self.lines = 1.0 / (rows @ region.start + ends)
-        self.matrices = [np.linalg.inv(one.matrix(region.start)) for one in region.inequalities]
+        self.matrices = [np.linalg.inv(inequality.matrix(region.start)) for inequality in region.inequalities]
 
     def curvature(self, x: Float) -> Float:
         """Return rows (.., Q) whose products with each other are the curvature at `x`."""
         rows, ends = self.region.lines
         found = [np.diag(np.sqrt(self.region.weak)), np.sqrt(self.lines / (rows @ x + ends))[:, None] * rows]
         self._scalings = []
-        for one, dual in zip(self.region.inequalities, self.matrices, strict=True):
-            primal = np.linalg.cholesky(one.matrix(x))
+        for inequality, dual in zip(self.region.inequalities, self.matrices, strict=True):
+            primal = np.linalg.cholesky(inequality.matrix(x))
             back = np.linalg.inv(primal)
             # Together they are near one, where each alone is too close to singular to be factorised.
             size, axes = np.linalg.eigh(primal.T @ dual @ primal)
             size = np.maximum(size, APART)
             root = np.sqrt(np.sqrt(size))[:, None] * (axes.T @ back)
             self._scalings.append((root.T @ root, primal @ axes / np.sqrt(size)))
-            found.append(np.einsum("ai,ijq,bj->abq", root, one.entries, root).reshape(-1, x.size))
+            found.append(np.einsum("ai,ijq,bj->abq", root, inequality.entries, root).reshape(-1, x.size))
         return np.concatenate(found)
 
     def move(self, x: Float, step: Float) -> float:
@@ -118,20 +118,20 @@ class _Duals:
         room = rows @ x + ends
         lines = 1.0 / room - self.lines - self.lines / room * (rows @ step)
         length, changes = min(_most(self.region.rates(x, step)), _most(lines / self.lines)), []
-        for one, dual, (scaling, root) in zip(self.region.inequalities, self.matrices, self._scalings, strict=True):
-            changes.append(np.linalg.inv(one.matrix(x)) - dual - scaling @ (one.entries @ step) @ scaling)
+        for item, dual, (scaling, root) in zip(self.region.inequalities, self.matrices, self._scalings, strict=True):
+            changes.append(np.linalg.inv(item.matrix(x)) - dual - scaling @ (item.entries @ step) @ scaling)
             length = min(length, _most(np.linalg.eigvalsh(root.T @ changes[-1] @ root)))
         self.lines = self.lines + length * lines
         moved = [dual + length * change for dual, change in zip(self.matrices, changes, strict=True)]
-        self.matrices = [0.5 * (one + one.T) for one in moved]
+        self.matrices = [0.5 * (entry + entry.T) for entry in moved]
         return length
 
     def product(self, x: Float) -> float:
         """Return the mean of distances to conditions times multipliers, which is 1 on the path."""
         rows, ends = self.region.lines
         total = float(self.lines @ (rows @ x + ends))
-        for one, dual in zip(self.region.inequalities, self.matrices, strict=True):
-            total += float(np.sum(dual * one.matrix(x)))
+        for inequality, dual in zip(self.region.inequalities, self.matrices, strict=True):
+            total += float(np.sum(dual * inequality.matrix(x)))
         return total / self.region.count
 
     def shorten(self, factor: float) -> None:
@@ -141,7 +141,7 @@ class _Duals:
 
 
 def _most(rates: Float) -> float:
-    """Return how far to go, 1 at most, that what changes by these shares of itself stays positive."""
+    """Longest step, 1 at most, after which values that change by these shares of themselves stay positive."""
     return min(1.0, SHARE / max(1e-9, float(-rates.min(initial=0.0))))
 
 
@@ -222,4 +222,4 @@ def nearest_inside(before: Float, weights: Float, values: Float) -> Float:
     names = tuple(map(str, range(len(values))))
     data = LinearData(np.eye(len(values))[None], values[None], np.zeros(len(values), dtype=int), names, names)
     found = least_loss(data, np.array([np.inf]), lead, Region(-free, free, conditions, start, towards, 0.0 * start))
-    return np.array([one.entries @ found for one in conditions])
+    return np.array([condition.entries @ found for condition in conditions])

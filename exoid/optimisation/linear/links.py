@@ -83,11 +83,11 @@ def nearest_links(
     aside = np.zeros(count) if across is None else np.asarray(across, dtype=float)
     known = usual_links(model, phi) if near is None else tuple(near)
     # In units of the known links, first moments in those of sqrt(J m): then all numbers are near one.
-    unit = np.array([[one.inertia, np.sqrt(one.inertia * one.mass), one.mass] for one in known])
+    unit = np.array([[item.inertia, np.sqrt(item.inertia * item.mass), item.mass] for item in known])
     scaled = rows * unit.ravel()
     size = np.maximum(np.abs(scaled).max(axis=1), np.abs(phi))
     before = np.array(
-        [_hermitian(1.0, one.along / u[1], one.across / u[1], 1.0) for one, u in zip(known, unit, strict=True)]
+        [_hermitian(1.0, entry.along / u[1], entry.across / u[1], 1.0) for entry, u in zip(known, unit, strict=True)]
     )
     weights = [
         [_hermitian(j, 0.5 * x, 0.0, m) for j, x, m in row] for row in (scaled / size[:, None]).reshape(-1, count, 3)
@@ -103,7 +103,7 @@ def nearest_links(
         for (j, x, m), y in zip(found.reshape(count, 3), aside, strict=True)
     )
     wrong = np.abs(rows @ found - phi) > EXACT * np.maximum(np.abs(rows) @ np.abs(found), np.abs(phi))
-    if wrong.any() or not all(one.mass > 0.0 and one.about_centre > 0.0 for one in links):
+    if wrong.any() or not all(link.mass > 0.0 and link.about_centre > 0.0 for link in links):
         return None
     return links
 

@@ -1,4 +1,4 @@
-"""How badly a model misses the measurement, as one number.
+"""Loss of a model against the measurement, as one number.
 
     SSE    Σ r²                       r = τ - YΦ, summed over samples and joints
     Huber  Σ r²            |r| ≤ δ    like SSE for small misses,

@@ -71,7 +71,7 @@ ANGLES = 33
 
 @dataclass(frozen=True, eq=False)
 class Physics:
-    """What is possible for a model: `low`, `high` (P,), and matrix inequalities, or those of the links behind it."""
+    """Physical limits of a model: `low`, `high` (P,), and matrix inequalities, or those of the links behind it."""
 
     names: tuple[str, ...]
     low: Float
@@ -81,7 +81,7 @@ class Physics:
 
     @property
     def machine(self) -> str:
-        """What has to be possible, in a word."""
+        """Word for the machine that has to be possible."""
         return "leg" if self.lift is None else "machine"
 
     def conditions(self, linear: Float, slope: Float) -> list[Condition]:
@@ -97,8 +97,8 @@ class Physics:
                 out.append((unit, -float(self.low[p])))
             if self.high[p] - linear[p] <= ACTIVE * size[p]:
                 out.append((-unit, float(self.high[p])))
-        for one in self.inequalities:
-            matrix = one.matrix(linear)
+        for inequality in self.inequalities:
+            matrix = inequality.matrix(linear)
             value, vectors = np.linalg.eigh(matrix)
             tight = ACTIVE * max(abs(value[1]), MARGIN)
             turn = np.arctan2(vectors[1, 0], vectors[0, 0])
@@ -108,13 +108,13 @@ class Physics:
             for angle in np.unique(np.concatenate([turn + steps, turn - steps, every])):
                 v = np.array([np.cos(angle), np.sin(angle)])
                 if v @ matrix @ v <= tight:
-                    out.append(one.condition(v))
+                    out.append(inequality.condition(v))
         return out if self.lift is None else [*out, self.lift.half_space(slope, linear)]
 
     def broken(self, linear: Float) -> tuple[str, ...]:
         """Return the names of what `linear` (P,) violates."""
         out = [n for n, x, a, b in zip(self.names, linear, self.low, self.high, strict=True) if not a <= x <= b]
-        out += [one.name for one in self.inequalities if not one.holds(linear)]
+        out += [inequality.name for inequality in self.inequalities if not inequality.holds(linear)]
         if self.lift is not None and self.lift.raised(linear) is None:
             out.append("inertial parameters: no links of positive mass have them")
         return tuple(out)
@@ -136,9 +136,9 @@ class Physics:
         out = np.clip(linear, self.low + room, self.high - room)
         for _ in range(60):
             short = []
-            for one in self.inequalities:
-                values = np.linalg.eigvalsh(one.matrix(out))
-                short.append(values[0] - INNER * max(values[-1], one.margin))
+            for inequality in self.inequalities:
+                values = np.linalg.eigvalsh(inequality.matrix(out))
+                short.append(values[0] - INNER * max(values[-1], inequality.margin))
             if min(short, default=0.0) >= 0.0:
                 break
             worst = int(np.argmin(short))
@@ -185,12 +185,12 @@ class Lift:
         """Return numbers (Q,) with these parameters (P,), their links nearest to the usual ones; None for none."""
         rows, middle = self.matrix[: self.inertial], self.start(linear)
         size = np.maximum(np.abs(rows).max(axis=1), np.abs(linear[: self.inertial]))
-        maps = [one.entries.reshape(-1, middle.size) for one in self.inner.inequalities]
-        back = [np.linalg.pinv(one) for one in maps]
+        maps = [inequality.entries.reshape(-1, middle.size) for inequality in self.inner.inequalities]
+        back = [np.linalg.pinv(item) for item in maps]
         shape = self.inner.inequalities[0].entries.shape[:2]
         weights = np.array([[(inverse.T @ row).reshape(shape) for inverse in back] for row in rows / size[:, None]])
-        before = np.array([one.matrix(middle) for one in self.inner.inequalities])
-        margins = np.array([one.margin * np.eye(one.size) for one in self.inner.inequalities])
+        before = np.array([entry.matrix(middle) for entry in self.inner.inequalities])
+        margins = np.array([element.margin * np.eye(element.size) for element in self.inner.inequalities])
         values = linear[: self.inertial] / size - np.einsum("pkij,kij->p", weights, margins)
         found = nearest_matrices(before, weights, values)
         if found is None:
@@ -219,12 +219,12 @@ class Lift:
     def _least(self, normal: Float) -> float:
         """Return the least that normal · Φ can be for possible links."""
         pulled = normal @ self.matrix
-        parts = [np.where(np.any(one.entries, axis=(0, 1)), pulled, 0.0) for one in self.inner.inequalities]
-        return sum(one.least(part) for one, part in zip(self.inner.inequalities, parts, strict=True))
+        parts = [np.where(np.any(item.entries, axis=(0, 1)), pulled, 0.0) for item in self.inner.inequalities]
+        return sum(inequality.least(part) for inequality, part in zip(self.inner.inequalities, parts, strict=True))
 
 
 def physics(model: Model) -> Physics:
-    """Return what is possible for `model`: the bounds of its parameters, and of its masses where it has Φ1 to Φ4."""
+    """Physical limits of `model`: the bounds of its parameters, and of its masses where it has Φ1 to Φ4."""
     names = tuple(p.name for p in model.parameters)
     low = np.array([-np.inf if p.min is None else p.min for p in model.parameters], dtype=float)
     high = np.array([np.inf if p.max is None else p.max for p in model.parameters], dtype=float)
@@ -291,7 +291,7 @@ def _energy(model: Model) -> Float:
 
 @dataclass(frozen=True, eq=False)
 class Held(AsJson):
-    """What asking for a possible `machine` changed: the parameters without it, {name: value}, what they violated, and
+    """Changes from asking for a possible `machine`: the parameters without it, {name: value}, what they violated, and
     its price.
 
     `cost` is the relative rise of the loss; 0 where the free optimum was possible already.
@@ -321,7 +321,7 @@ def _least(data: LinearData, delta: Float, possible: Physics, near: Float) -> Fl
         inner, lead, begin = lift.inner, lift.matrix, lift.start(near)
         scale = np.concatenate([np.full(lift.usual.size, np.inf), scale[lift.inertial :]])
         towards = sum(
-            np.einsum("ij,ijq->q", np.linalg.inv(one.matrix(begin)), one.entries) for one in inner.inequalities
+            np.einsum("ij,ijq->q", np.linalg.inv(item.matrix(begin)), item.entries) for item in inner.inequalities
         )
     region = Region(inner.low, inner.high, inner.inequalities, inner.within(begin, scale), towards, scale**-2.0)
     found = least_loss(data, delta, lead, region)

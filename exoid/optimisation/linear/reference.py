@@ -36,7 +36,7 @@ OPTIONS: Any = {
 
 @dataclass(frozen=True, eq=False)
 class Reference(AsJson):
-    """What IPOPT returned: parameters `x` (P,), their `loss` (recomputed by us), its word."""
+    """Result of IPOPT: parameters `x` (P,), their `loss` (recomputed by us), its word."""
 
     x: Float
     loss: float
@@ -60,7 +60,7 @@ def solve_reference(data: LinearData, delta: Float) -> Reference:
 
 
 def ended_at(x: Float, solver: Any, loss: float, began: float) -> Reference:
-    """Return what `solver`, begun at the clock's `began` s, found: parameters `x` (P,) and their loss."""
+    """Result of `solver`, begun at the clock's `began` s: parameters `x` (P,) and their loss."""
     stats = solver.stats()
     return Reference(x, loss, int(stats["iter_count"]), time.perf_counter() - began, str(stats["return_status"]))
 

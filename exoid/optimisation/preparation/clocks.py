@@ -65,8 +65,8 @@ class ClockRate:
 
 
 def clock_rates(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
-    """How the clock of the torques runs in every recording that tells it."""
-    return tuple(rate for one in prepared if (rate := clock_rate(base, one)) is not None)
+    """Clock rates of the torques in every recording that tells them."""
+    return tuple(rate for recording in prepared if (rate := clock_rate(base, recording)) is not None)
 
 
 def clocks_apart(
@@ -76,12 +76,12 @@ def clocks_apart(
     single ones. `rates` are those of `prepared`.
     """
     # Friction that reverses late is a spike beside the model, and tells the clock; other spikes only add noise.
-    return _apart(rates) or _apart(clock_rates(base, [_with_spikes(one) for one in prepared]))
+    return _apart(rates) or _apart(clock_rates(base, [_with_spikes(recording) for recording in prepared]))
 
 
 def clock_findings(clocks: Sequence[ClockRate]) -> tuple[Finding, ...]:
     """A warning for each clock that runs at another rate."""
-    return tuple(_finding(one) for one in clocks)
+    return tuple(_finding(clock) for clock in clocks)
 
 
 def late_clocks(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
@@ -132,18 +132,18 @@ def _apart(found: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
     together = _together(found)
     if _is_apart(together, len(found)):
         return (together,)
-    return tuple(one for one in found if len(found) > 1 and _is_apart(one, 1))
+    return tuple(item for item in found if len(found) > 1 and _is_apart(item, 1))
 
 
 def _together(found: Sequence[ClockRate]) -> ClockRate:
     """The clock of all recordings."""
-    weight = np.array([1.0 / one.error**2 for one in found])
-    rates = np.array([one.rate for one in found])
+    weight = np.array([1.0 / item.error**2 for item in found])
+    rates = np.array([entry.rate for entry in found])
     mean = float(weight @ rates / weight.sum())
     scatter = float(weight @ (rates - mean) ** 2 / max(1, len(found) - 1))
     error = float(np.sqrt(max(1.0, scatter) / weight.sum()))
     return ClockRate(
-        EVERY, mean, error, float(np.median([one.share for one in found])),
+        EVERY, mean, error, float(np.median([element.share for element in found])),
         float(np.median([one.seconds for one in found])),
     )  # fmt: skip
 
@@ -171,7 +171,7 @@ def _finding(one: ClockRate) -> Finding:
 
 
 def clock_rate(base: Model, one: PreparedRecording) -> ClockRate | None:
-    """Return how the clocks of one recording run; None where it is too short, or nothing is driven.
+    """Clock rate of one recording; None where it is too short, or nothing is driven.
 
     Where the clocks come far apart a derivative is not enough: the torque is read at the rate found so far, and again.
     """
@@ -251,7 +251,7 @@ def _own_columns(base: Model, one: PreparedRecording) -> Float:
 
 
 def _late_columns(one: PreparedRecording, torque: Float) -> Float:
-    """Return what makes a torque early, (J, K, 2): all the time alike, and by 1 s more in every s."""
+    """Columns that make a torque early, (J, K, 2): all the time alike, and by 1 s more in every s."""
     t = one.motion.t
     slope = np.gradient(low_pass(torque, min(BAND, 0.4 * one.rate), one.rate), axis=0).T * one.rate
     return one.smooth_columns(np.stack([slope, (t - 0.5 * (t[0] + t[-1])) * slope], axis=2))

@@ -159,7 +159,7 @@ class _Trials:
         tried: Sequence[float],
     ) -> None:
         self.tried = tried
-        even = [one for _, one in inputs]
+        even = [item for _, item in inputs]
 
         @cache
         def prepared(k: int) -> list[PreparedRecording]:
@@ -169,7 +169,7 @@ class _Trials:
 
         @cache
         def sensors() -> Float:
-            size = np.max([one.wide_tau.std(axis=0) for one in prepared(0)], axis=0)
+            size = np.max([recording.wide_tau.std(axis=0) for recording in prepared(0)], axis=0)
             return np.asarray(np.maximum(noise_floor(prepared(0)), RESOLVED * size) ** 2)
 
         @cache
@@ -207,7 +207,7 @@ class _Trials:
         self._noise, self._error, self.filter_decides = noise, error, filter_decides
 
     def noise(self, k: int, of: int | None = None) -> _Noise:
-        """Return what noise does at one cut-off, that of the torque taken from another where one is named."""
+        """Effect of noise at one cut-off, that of the torque taken from another where one is named."""
         return self._noise(k, k if of is None else of)
 
     def relative(self, weighed: Sequence[int]) -> dict[int, float]:
@@ -224,10 +224,10 @@ def _torque_of_slower(
 ) -> list[Float]:
     """Return for each recording what slower angles get wrong of the model's torque, (J, K) N·m: faster ones show it."""
     out = []
-    for one, other in zip(slow, fast, strict=True):
-        right, own = base.torque(other.motion, beta), base.torque(one.motion, beta)
-        at = [np.interp(one.motion.t, other.motion.t, column) for column in right.T]
-        out.append(one.smooth(np.column_stack(at) - own))
+    for item, other in zip(slow, fast, strict=True):
+        right, own = base.torque(other.motion, beta), base.torque(item.motion, beta)
+        at = [np.interp(item.motion.t, other.motion.t, column) for column in right.T]
+        out.append(item.smooth(np.column_stack(at) - own))
     return out
 
 
@@ -252,7 +252,7 @@ def noise_share(prepared: Sequence[PreparedRecording], even: Sequence[UniformSig
     A joint that is held still has no acceleration to get wrong.
     """
     quality = np.array([acceleration_quality(e, cutoff) for e in even])
-    moves = ~np.array([one.standing for one in prepared])
+    moves = ~np.array([recording.standing for recording in prepared])
     best = np.min(quality, axis=0, where=moves, initial=np.inf)
     return float(np.max(best[np.isfinite(best)], initial=0.0))
 

@@ -151,7 +151,7 @@ class PreparedRecording:
         return np.asarray(self.hidden & ~self.lost)
 
     def times_of_spikes(self, joint: int) -> Float:
-        """Return when (S,) in s torques of a joint (index) are hidden as spikes, in order."""
+        """Times (S,) in s at which torques of a joint (index) are hidden as spikes, in order."""
         times = [self.motion.t[self.spikes[:, joint]]]
         if self.read is not None and self.read.brief.size:
             times.append(self.motion.t[0] + np.flatnonzero(self.read.brief[:, joint]) / self.full_rate)
@@ -356,7 +356,7 @@ def _smoothed(
 def _direction(
     even: UniformSignals, inner: float, noise: Float, factor: int, derivative: str, name: str
 ) -> Direction | None:
-    """Return what tells the direction of motion: the fastest velocities whose noise stays well below the speed at which
+    """Speeds that tell the direction of motion: the fastest velocities whose noise stays well below the speed at which
     a joint may stick; None where those below `inner` Hz are. `noise` (J,) is the density of that of the angles,
     rad²/Hz.
     """
@@ -369,7 +369,7 @@ def _direction(
 
 
 def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -> Float:
-    """Return how a measured base moves at the working samples (N, 5), in space (N, 12), smoothed as the angles are."""
+    """Motion of a measured base at the working samples (N, 5), in space (N, 12), smoothed as the angles are."""
     assert even.base is not None  # `prepare` has refused the recording otherwise
     smooth = low_pass_every(even.base, inner, even.rate, factor)
     angles = 1 if smooth.shape[1] == 3 else 3
@@ -378,7 +378,7 @@ def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -
 
 
 def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
-    """Return which joints (J,) stay in one place: their angle has no range, their velocity is `noise` (J,) rad/s."""
+    """Joints (J,) that stay in one place: their angle has no range, their velocity is `noise` (J,) rad/s."""
     quiet = np.asarray(dq.std(axis=0) < np.maximum(STICK, 3.0 * noise))
     if not quiet.any():
         return quiet
@@ -388,7 +388,7 @@ def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
 
 
 def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
-    """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
+    """Joints (J,) that have no drive: their torque is zero, or noise and next to nothing beside the others."""
     zero = (even.reach == 0.0) & (even.tau[0] == 0.0)
     span = even.span
     little = span < NOTHING * span.max()

@@ -55,13 +55,13 @@ def noise_floor(prepared: Sequence[PreparedRecording]) -> Float:
     and filtered as they are.
     """
     square, count = 0.0, 0.0
-    draws = max(1, min(DRAWS, ENOUGH // sum(len(one.motion) for one in prepared)))
-    for index, one in enumerate(prepared):
-        joints, samples = one.hidden.shape[1], len(one.motion)
+    draws = max(1, min(DRAWS, ENOUGH // sum(len(recording.motion) for recording in prepared)))
+    for index, item in enumerate(prepared):
+        joints, samples = item.hidden.shape[1], len(item.motion)
         white = np.random.default_rng(index).standard_normal((draws, joints, samples))
-        smooth = one.smooth_rows(white, range(joints), 1)
-        square = square + np.mean(np.sum(np.where(one.used, smooth, 0.0) ** 2, axis=2), axis=0) * one.rate / 2.0
-        count = count + one.used.sum(axis=1)
+        smooth = item.smooth_rows(white, range(joints), 1)
+        square = square + np.mean(np.sum(np.where(item.used, smooth, 0.0) ** 2, axis=2), axis=0) * item.rate / 2.0
+        count = count + item.used.sum(axis=1)
     return np.asarray(torque_noise(prepared) * np.sqrt(square / np.maximum(count, 1)))
 
 
@@ -70,11 +70,11 @@ def torque_of_filter(base: Model, beta: Float, prepared: Sequence[PreparedRecord
     filtered twice.
     """
     out = []
-    for one in prepared:
-        q = low_pass(one.motion.q, one.band, one.rate)
-        dq, ddq = derivatives(q, one.rate)
+    for item in prepared:
+        q = low_pass(item.motion.q, item.band, item.rate)
+        dq, ddq = derivatives(q, item.rate)
         out.append(
-            _torque_change(base, beta, one, q, np.where(one.standing, 0.0, dq), np.where(one.standing, 0.0, ddq))
+            _torque_change(base, beta, item, q, np.where(item.standing, 0.0, dq), np.where(item.standing, 0.0, ddq))
         )
     return out
 
@@ -82,9 +82,9 @@ def torque_of_filter(base: Model, beta: Float, prepared: Sequence[PreparedRecord
 def torque_of_noise(base: Model, beta: Float, prepared: Sequence[PreparedRecording]) -> list[Float]:
     """Return for each recording what noise of the angles makes in the model's torque, (J, K) N·m."""
     out = []
-    for index, one in enumerate(prepared):
-        other = one.noisier(np.random.default_rng(index)).motion
-        out.append(_torque_change(base, beta, one, other.q, other.dq, other.ddq))
+    for index, recording in enumerate(prepared):
+        other = recording.noisier(np.random.default_rng(index)).motion
+        out.append(_torque_change(base, beta, recording, other.q, other.dq, other.ddq))
     return out
 
 

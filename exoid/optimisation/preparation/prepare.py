@@ -95,23 +95,23 @@ class Prepared:
 
     @property
     def noise_is_known(self) -> bool:
-        """Whether what noise the torques hold is that of their sensors: of filtered ones it is no measure."""
-        return not any(one.check == TORQUES for one in self.findings)
+        """True if what noise the torques hold is that of their sensors: of filtered ones it is no measure."""
+        return not any(finding.check == TORQUES for finding in self.findings)
 
     @property
     def angles_were_filtered(self) -> bool:
-        """Whether the angles hold no sensor's noise, and the torques do: no simulation that is exact."""
-        return any(one.check == FILTERED for one in self.findings)
+        """True if the angles hold no sensor's noise, and the torques do: no simulation that is exact."""
+        return any(finding.check == FILTERED for finding in self.findings)
 
     def __repr__(self) -> str:
-        fitted, unseen = (", ".join(one.name for one in group) or "none" for group in (self.train, self.verify))
+        fitted, unseen = (", ".join(item.name for item in group) or "none" for group in (self.train, self.verify))
         return f"Prepared(train: {fitted}; verify: {unseen}; cut-off {self.choice.reason})"
 
     def _repr_html_(self) -> str:
         rows = [
-            (one.name, use, len(one.t), one.kept_rate, *(f"{100 * float(x):.1f} %" for x in one.outliers))
+            (item.name, use, len(item.t), item.kept_rate, *(f"{100 * float(x):.1f} %" for x in item.outliers))
             for use, group in (("fitted", self.train), ("unseen", self.verify))
-            for one in group
+            for item in group
         ]
         head = ("recording", "used as", "samples", "Hz", *(f"{joint} torque bridged" for joint in names(self.joints)))
         return lines(f"cut-off: {self.choice.reason}") + table(head, rows) + bullets(self.findings)
@@ -136,10 +136,10 @@ def prepare(
     reuse_freed_memory()
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
-    recordings, verify = ([one.of_machine(model.joints) for one in group] for group in (recordings, verify))
+    recordings, verify = ([item.of_machine(model.joints) for item in group] for group in (recordings, verify))
     swayed, unused = _check_base(model, (*recordings, *verify)), unused_forces(model, (*recordings, *verify))
-    for one in (*recordings, *verify):
-        _refuse_driven(one)
+    for recording in (*recordings, *verify):
+        _refuse_driven(recording)
     recordings, verify, doubled = held_apart(recordings, verify)
     base = model.base()
     even = [uniform_sampling(r, force_signals(model, r)) for r in (*recordings, *verify)]
@@ -190,10 +190,10 @@ def judged_anew(prepared: Prepared, torques: Sequence[Float]) -> Prepared:
     """Return the recordings with spikes judged anew, beside the torque (N, J) that a model has on each; as they are
     where the same samples are spikes.
     """
-    done = [one.beside(known) for one, known in zip(prepared.all, torques, strict=True)]
-    if all(np.array_equal(one.hidden, old.hidden) for one, old in zip(done, prepared.all, strict=True)):
+    done = [item.beside(known) for item, known in zip(prepared.all, torques, strict=True)]
+    if all(np.array_equal(entry.hidden, old.hidden) for entry, old in zip(done, prepared.all, strict=True)):
         return prepared
-    count, kept = len(prepared.train), [one for one in prepared.findings if one.check != SPIKES]
+    count, kept = len(prepared.train), [finding for finding in prepared.findings if finding.check != SPIKES]
     findings = (*kept, *_outlier_findings(done, names(prepared.joints)))
     return replace(prepared, train=tuple(done[:count]), verify=tuple(done[count:]), findings=findings)
 
@@ -215,7 +215,7 @@ def _check_cutoff(cutoff: float | None, even: Sequence[UniformSignals]) -> None:
 
 def _refuse_free_swing(even: Sequence[UniformSignals]) -> None:
     """Refuse recordings in which no joint has a drive: all parameters may be doubled without a difference."""
-    if any(one.tau.any() for one in even):
+    if any(recording.tau.any() for recording in even):
         return
     raise NotEnoughDataError(
         "every torque is zero: a free swing tells only ratios of parameters (inertia to weight, friction to inertia), "
@@ -247,28 +247,28 @@ def _refuse_driven(recording: Recording) -> None:
 
 
 def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding, ...]:
-    """Return what is to be said about the bases of recordings; RecordingError where a measured one is missing."""
+    """Findings on the bases of recordings; RecordingError where a measured one is missing."""
     if not model.moving_base:
         turns = sum(unit == "rad" for unit in base_columns(model.joints).values())
         moved = [
-            (one, float(np.ptp(one.base[one.valid, :turns], axis=0).max()))
-            for one in recordings
-            if one.base is not None
+            (recording, float(np.ptp(recording.base[recording.valid, :turns], axis=0).max()))
+            for recording in recordings
+            if recording.base is not None
         ]
         what = "the base turns by {:.2g} rad, and that of the model stands still"
         remedy = 'write [base] motion = "measured" into the model file'
         return tuple(
-            Finding("base", "warning", what.format(turned), one.source.path or one.name, turned, SWAYS, remedy)
-            for one, turned in moved
+            Finding("base", "warning", what.format(turned), entry.source.path or entry.name, turned, SWAYS, remedy)
+            for entry, turned in moved
             if turned > SWAYS
         )
-    for one in recordings:
-        if one.base is None:
+    for item in recordings:
+        if item.base is None:
             known = base_columns(model.joints)
             angles, others = ([n for n, unit in known.items() if (unit == "rad") == turns] for turns in (True, False))
             raise RecordingError(
                 f"the recording has no {', '.join(angles)}, and the base of the model is measured",
-                where=one.source.path or one.name,
+                where=item.source.path or item.name,
                 remedy=f"--map {','.join(f'{name}=COLUMN' for name in angles)} (rad; {', '.join(others)} in m/s² where "
                 'there are any), or [base] motion = "fixed" where the base stood still',
             )
@@ -276,8 +276,8 @@ def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding,
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[str]) -> tuple[Finding, ...]:
-    """Return what share of the torques is hidden as spikes, a warning where it is more than a few, with the place."""
-    shares = np.array([one.outliers for one in prepared])
+    """Share of the torques that is hidden as spikes, a warning where it is more than a few, with the place."""
+    shares = np.array([recording.outliers for recording in prepared])
     most = shares.max(axis=0)
     if most.max() < NOTED:
         return ()
@@ -291,7 +291,7 @@ def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[st
 
 
 def _most_spikes(one: PreparedRecording, joints: Sequence[str]) -> str:
-    """Return where in a recording most of its spikes are: the joint, and the stretch of time that has most of them."""
+    """Place of most spikes in a recording: the joint, and the stretch of time that has most of them."""
     joint = index_of_greatest(one.outliers)
     first, last = np.quantile(one.times_of_spikes(joint), (0.1, 0.9))
     place = f"{one.name}, {joints[joint]}"

@@ -40,12 +40,12 @@ def smoothed_findings(
     """
     reach = np.array([joint.reach for joint in joints])
     moves = np.min([np.ptp(one.q, axis=0) for one in even], axis=0) > 1e-3 * reach
-    angles = np.max([np.sqrt(0.5 * one.rate * noise_density(one)) for one in even], axis=0)
+    angles = np.max([np.sqrt(0.5 * entry.rate * noise_density(entry)) for entry in even], axis=0)
     pulls = np.min([one.span for one in even], axis=0) > 0.0
-    bridged = [one.torque_gap | one.gap[:, None] for one in even]
-    each = [quiet_noise(one.tau, one.rate, 0.5 * one.rate, gap) for one, gap in zip(even, bridged, strict=True)]
+    bridged = [recording.torque_gap | recording.gap[:, None] for recording in even]
+    each = [quiet_noise(item.tau, item.rate, 0.5 * item.rate, gap) for item, gap in zip(even, bridged, strict=True)]
     torques = np.max(each, axis=0)
-    span = np.max([one.span for one in even], axis=0)
+    span = np.max([element.span for element in even], axis=0)
     where = names[0] if len(names) == 1 else "all recordings"
     of_angles = FILTERED if np.any(pulls & (torques > NOISY * span)) else ANGLES
     found = (
@@ -60,7 +60,7 @@ def _finding(
 ) -> Finding | None:
     if not smooth.any():
         return None
-    told = [(joint, size) for joint, size, one in zip(joints, noise, smooth, strict=True) if one]
+    told = [(joint, size) for joint, size, recording in zip(joints, noise, smooth, strict=True) if recording]
     names = " and ".join(joint.name for joint, _ in told)
     most = max(size for _, size in told)
     text = f"the {what}s of {names} hold less noise ({most:.2g} {told[0][0].unit(key)} at most) than a sensor at the "

@@ -151,7 +151,7 @@ def generate(model: ModelStructure) -> Sources:
 
 
 def reference_needed(expressions: Expressions) -> bool:
-    """Whether some column of the regressor depends on the linear parameters."""
+    """True if some column of the regressor depends on the linear parameters."""
     import casadi
 
     return any(casadi.depends_on(entry, expressions.linear) for _, _, entry in expressions.columns)
@@ -190,7 +190,7 @@ def inertial(model: ModelStructure) -> dict[str, str]:
 
 
 def operations(function: Any) -> int:
-    """Return how many arithmetic operations one evaluation takes."""
+    """Number of arithmetic operations of one evaluation."""
     import casadi
 
     silent = {casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST}

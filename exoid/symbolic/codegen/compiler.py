@@ -151,7 +151,7 @@ def _probe(wanted: str | None) -> Compiler | None:
 
 
 def _ask(path: str) -> str:
-    """Return where the compiler is and what it says it is; CompilerError where it says nothing."""
+    """Place and version of the compiler; CompilerError where it says nothing."""
     words = [path, "--version"]
     try:
         done = subprocess.run(words, capture_output=True, text=True, errors="replace", timeout=ANSWER, check=False)

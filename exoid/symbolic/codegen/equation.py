@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MemorySignal:
-    """What feeds an input `memory[k]`: `operator` (its word), `argument` and `parameter` (SX; None for ddt).
+    """Source of an input `memory[k]`: `operator` (its word), `argument` and `parameter` (SX; None for ddt).
 
     Both may hold earlier memory inputs.
     """
@@ -175,7 +175,7 @@ class _Builder:
             first += len(called)
             index = force.index(model.joints)
             if force.in_space:
-                torques = space_force_torques(model.joints, self.turned, force, [self.state[one] for one in called])
+                torques = space_force_torques(model.joints, self.turned, force, [self.state[item] for item in called])
                 parts = [torques, [self.ca.SX(0)] * self.count]
             else:
                 own = [real(name) for name in called]

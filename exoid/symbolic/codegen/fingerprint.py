@@ -1,4 +1,4 @@
-"""What makes two models, two machines or two versions of this code the same: the parts of every cache key."""
+"""Identity of models, processors and versions of this code: the parts of every cache key."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def term_content(term: Term) -> dict[str, Any]:
 
 
 def code_content(function: Any) -> Any:
-    """Return what a Python function does as plain data: its code, its constants, its defaults and its
+    """Content of a Python function as plain data: its code, its constants, its defaults and its
     closure.
     """
     code = getattr(function, "__code__", None)
@@ -125,7 +125,7 @@ def _version(name: str) -> str:
 
 @lru_cache(maxsize=1)
 def processor() -> str:
-    """Return what -march=native depends on: the processor's model and its instruction sets."""
+    """Processor as -march=native depends on it: the processor's model and its instruction sets."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:

@@ -107,8 +107,8 @@ class Information:
         angle = np.outer(self.times, self.rates)
         sine, cosine, count = np.sin(angle), np.cos(angle), len(self.rates)
         factors, grams = [], []
-        for one, about in zip(swing, centre, strict=True):
-            a, b = one[:, :count].T, one[:, count:].T
+        for item, about in zip(swing, centre, strict=True):
+            a, b = item[:, :count].T, item[:, count:].T
             rate = self.rates[:, None]
             swung = sine @ a + cosine @ b
             speed = cosine @ (rate * a) - sine @ (rate * b)
@@ -160,7 +160,7 @@ def information(
     grid: int,
     backend: str = "auto",
 ) -> Information:
-    """Return what `model` needs to weigh motions of `period` s; arguments as in Information.
+    """Information matrices of `model` for motions of `period` s; arguments as in Information.
 
     `backend` "auto" takes C where there is a compiler and the model has no operator with memory; "vm" never does.
     """

@@ -42,7 +42,7 @@ def template(name: str) -> str:
 
 @dataclass(frozen=True)
 class Language:
-    """How statements are spelt: `forms` of the operations, a `line` with {place} and {value}, and the indent."""
+    """Spelling of statements: `forms` of the operations, a `line` with {place} and {value}, and the indent."""
 
     forms: Mapping[str, str]
     line: str

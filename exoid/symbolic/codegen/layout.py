@@ -1,4 +1,4 @@
-"""How the arrays of the generated code are laid out, for any number of joints."""
+"""Layout of the arrays of the generated code, for any number of joints."""
 
 from __future__ import annotations
 

@@ -21,13 +21,13 @@ def evaluate_precisely(function: Any, inputs: Sequence[Any]) -> list[Any]:
 
 
 def in_span(columns: Sequence[Sequence[Any]], column: Sequence[Any], tolerance: float) -> bool:
-    """Return whether `column` (N,) is a combination of `columns` (n of (N,)), by orthogonalisation in many digits."""
+    """True if `column` (N,) is a combination of `columns` (n of (N,)), by orthogonalisation in many digits."""
     import mpmath
 
     with mpmath.workdps(DIGITS):
         basis: list[list[Any]] = []
-        for one in columns:
-            rest, size = _reduced(mpmath, basis, one)
+        for item in columns:
+            rest, size = _reduced(mpmath, basis, item)
             if size > tolerance:
                 basis.append([value / size for value in rest])
         _, size = _reduced(mpmath, basis, column)

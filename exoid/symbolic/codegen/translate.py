@@ -42,7 +42,7 @@ def casadi_from_sympy(expressions: Sequence[Any], symbols: Mapping[str, Any]) ->
 
 
 def _functions(casadi: Any) -> Mapping[str, Callable[..., Any]]:
-    """Return how each SymPy function is written in CasADi."""
+    """CasADi's spelling of each SymPy function."""
 
     def fold(combine: Callable[[Any, Any], Any]) -> Callable[..., Any]:
         return lambda *parts: reduce(combine, parts)
@@ -67,7 +67,7 @@ def sympy_from_casadi(wanted: Sequence[Any], inputs: Sequence[Any], values: Sequ
     """
     import casadi
 
-    flat = [casadi.densify(casadi.vec(casadi.SX(one).T)) for one in wanted]
+    flat = [casadi.densify(casadi.vec(casadi.SX(item).T)) for item in wanted]
     function = casadi.Function("expressions", list(inputs), flat, {"cse": False})
     return evaluated(function, [[value] for value in values], _back(), _number)
 
@@ -80,7 +80,7 @@ def _number(value: float) -> Any:
 
 
 def _back() -> Mapping[str, Callable[..., Any]]:
-    """Return how each operation of CasADi is written in SymPy."""
+    """SymPy's spelling of each operation of CasADi."""
     import sympy
 
     names = ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "sign")

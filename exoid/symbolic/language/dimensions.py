@@ -104,7 +104,7 @@ class _Walk:
             raise refusal(what, self.text, node.arguments[1].span, "mend it")
 
     def _alike(self, node: Binary | Call, parts: Collection[_Quantity]) -> _Quantity:
-        """Return what a sum, a max or a min is in; all parts must be in the same unit."""
+        """Unit of a sum, a max or a min; all parts must be in the same unit."""
         known = [part for part in parts if part.dimension is not None and not part.plain]
         if len({part.dimension for part in known}) > 1:
             what = " and ".join(f"{part.dimension}" for part in known) + " are added or compared"

@@ -1,4 +1,4 @@
-"""Whether a torque text is a sum of coefficient × something: read off its tree, with a caret where it is not.
+"""Check that a torque text is a sum of coefficient × something: read off its tree, with a caret where it is not.
 
 The degree of a text in its coefficients is 0 (none), 1 (proportional) or None (neither: mixed or not linear).
 """

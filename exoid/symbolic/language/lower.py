@@ -25,7 +25,7 @@ ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
 }  # fmt: skip
 
 def _functions(library: Any, **called: str) -> Mapping[str, Callable[..., Any]]:
-    """Return how `library` computes the functions of the language; `called` are those it has under other names."""
+    """Functions of the language as `library` computes them; `called` are those it has under other names."""
     return {word: getattr(library, called.get(word, word)) for word in FUNCTIONS}
 
 
@@ -69,7 +69,7 @@ def to_numpy(
 
 @lru_cache(maxsize=4096)
 def _step(node: Node) -> _Step:
-    """Return what computes a text again and again; a call is worth the same wherever it stands."""
+    """Function that computes a text again and again; a call is worth the same wherever it stands."""
     if not isinstance(node, Call):
         return cast(_Step, lower(node, _STEPS))
     function, arguments = NUMPY.get(node.function), [_step(argument) for argument in node.arguments]
@@ -161,7 +161,7 @@ def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] =
 
 
 def known(name: str, env: Mapping[str, Any]) -> Any:
-    """Return what a name stands for; ExpressionError where it has no value."""
+    """Value of a name; ExpressionError where it has no value."""
     if name in env:
         return env[name]
     if name in CONSTANTS:
@@ -171,7 +171,7 @@ def known(name: str, env: Mapping[str, Any]) -> Any:
 
 
 def with_memory(word: str, t: Any, x: Any, *parameter: Any) -> Float:
-    """Return what an operator with memory makes of `x`, a signal or a number, on the clock `t` (N,)."""
+    """Output of an operator with memory for `x`, a signal or a number, on the clock `t` (N,)."""
     clock = np.asarray(t, dtype=float)
     signal = np.broadcast_to(x, (*np.shape(x)[:-1], clock.size))
     return MEMORY[word](clock, signal, *(_constant(word, p) for p in parameter))

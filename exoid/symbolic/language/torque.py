@@ -130,17 +130,17 @@ def check_units(term: Term) -> None:
 
 
 def is_transform(term: Term) -> bool:
-    """Whether the term acts on the base model's columns."""
+    """True if the term acts on the base model's columns."""
     if term.effect.derive is not None or term.effect.coefficients:
         return False
     return any(torque.names & MODEL_TORQUE for torque in torques(term))
 
 
 def uses_slopes(term: Term) -> bool:
-    """Whether the term's columns are made of derivatives of the model's own torque."""
+    """True if the term's columns are made of derivatives of the model's own torque."""
     return any(torque.names & SLOPES for torque in torques(term))
 
 
 def uses_feedback(term: Term) -> bool:
-    """Whether the term's columns are computed from the model's own torque, hence from reference parameters."""
+    """True if the term's columns are computed from the model's own torque, hence from reference parameters."""
     return bool(term.effect.coefficients) and any(torque.names & FEEDBACK for torque in torques(term))

@@ -14,7 +14,7 @@ NONE: Mapping[str, Any] = {}
 
 @dataclass(frozen=True)
 class Spelling:
-    """How one target language writes each kind of node.
+    """Spelling of each kind of node in one target language.
 
     `signs` gives, for a velocity, what its sign is: near standstill a measured sign is more than
     sgn(velocity). `shortcut` gives what a call is where the language has a better way to write the whole of it.

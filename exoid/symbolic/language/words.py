@@ -38,7 +38,7 @@ _WORD = re.compile(
 
 
 def stem_of(word: str) -> str | None:
-    """Return which of OWN a word is of some joint: "dtheta" for dtheta2, dtheta_next, dtheta[knee]; None for others."""
+    """Stem in OWN of a word of some joint: "dtheta" for dtheta2, dtheta_next, dtheta[knee]; None for others."""
     found = _WORD.fullmatch(word)
     return None if found is None else found["stem"]
 

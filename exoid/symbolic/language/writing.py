@@ -1,4 +1,4 @@
-"""How a torque reads as plain text, with brackets only where they are needed."""
+"""Torques as plain text, with brackets only where they are needed."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class BaseParameter:
 
     @property
     def positive(self) -> bool:
-        """Whether it is a sum of masses and inertias with positive factors."""
+        """True if it is a sum of masses and inertias with positive factors."""
         return self.kind in ALWAYS and all(kind in ALWAYS and factor > 0.0 for _, kind, factor in self.parts)
 
     def formula(self, joints: Sequence[Joint]) -> str:
@@ -184,6 +184,6 @@ def _columns(joints: tuple[Joint, ...], gravity: Gravity, moving: bool) -> dict[
     found = link_torques(joints, float(gravity), q, dq, ddq, np, base)  # type: ignore[arg-type]
     return {
         (link, kind): np.concatenate([still + torque for torque in row])
-        for link, one in enumerate(found)
-        for kind, row in one.items()
+        for link, item in enumerate(found)
+        for kind, row in item.items()
     }

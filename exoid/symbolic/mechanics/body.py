@@ -112,7 +112,7 @@ class Body:
         self._limb(joints)
 
     def added(self, model: Linked) -> Float:
-        """Return what the limb adds to the base parameters (P,) of a model's machine; BodyError where that has no joint
+        """Addition of the limb to the base parameters (P,) of a model's machine; BodyError where that has no joint
         of a leg.
         """
         total = np.zeros(len(model.mixture))

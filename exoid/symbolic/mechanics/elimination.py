@@ -92,7 +92,7 @@ def reduce(row: Row, pivots: Sequence[tuple[Expr, Row]]) -> tuple[list[Expr], Ro
 
 
 def scale_of(row: Row, factors: Sequence[Expr]) -> Expr:
-    """Return what to divide a new row by: the first factor it was reduced with, else its numeric content."""
+    """Divisor of a new row: the first factor it was reduced with, else its numeric content."""
     from sympy import Integer, gcd_list
 
     for factor in factors:

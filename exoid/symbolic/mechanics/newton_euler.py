@@ -25,7 +25,7 @@ Vector = tuple[Any, Any]
 
 @dataclass(frozen=True)
 class BaseMotion:
-    """How the base moves: its `angle` rad (added to the first links'), its derivatives, and its acceleration forwards
+    """Motion of the base: its `angle` rad (added to the first links'), its derivatives, and its acceleration forwards
     and upwards in m/s².
     """
 
@@ -82,7 +82,7 @@ def link_torques(
 def point(
     joints: Sequence[Joint], q: Sequence[Any], index: int, along: Any, lib: Any, base: BaseMotion = STILL
 ) -> Vector:
-    """Return where a point of link `index` is, `along` it in m: to the front and upwards from the base, m."""
+    """Position of a point of link `index`, `along` it in m: to the front and upwards from the base, m."""
     still = [0.0 * angle for angle in q]
     frame = _frames(joints, 0.0, q, still, still, lib, base)[index]
     return _add(frame.origin, _scale(along, frame.e))
@@ -92,7 +92,7 @@ def push_torques(
     joints: Sequence[Joint], q: Sequence[Any], index: int, along: Any, force: Vector, lib: Any,
     base: BaseMotion = STILL, normal: bool = False,
 ) -> list[Any]:  # fmt: skip
-    """Return what the joints (J,) must supply while a `force` N acts on link `index`, `along` it in m: against it.
+    """Torques (J,) that the joints supply while a `force` N acts on link `index`, `along` it in m: against it.
 
     Its parts are forwards and upwards, or along the link and normal to it where it is `normal`.
     """
@@ -135,7 +135,7 @@ def _frames(
 
 
 def _at_joints(joints: Sequence[Joint], frames: Sequence[_Frame], index: int, force: Vector, moment: Any) -> list[Any]:
-    """Return what the joints must supply for a force and a moment about the origin of link `index`."""
+    """Torques of the joints for a force and a moment about the origin of link `index`."""
     torques: list[Any] = [0.0] * len(joints)
     for k in ancestors(joints, index):
         if joints[k].turns:

@@ -61,7 +61,7 @@ class Payload:
 
     @property
     def place(self) -> str:
-        """Where it is, as the command line takes it: "0.35", or "0,0,0.05" in space."""
+        """Place as the command line takes it: "0.35", or "0,0,0.05" in space."""
         return ",".join(f"{value:g}" for value in self._place)
 
     @property
@@ -69,11 +69,11 @@ class Payload:
         return self.along if isinstance(self.along, tuple) else (self.along,)
 
     def numbers(self, thigh_length: float) -> Float:
-        """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
+        """Addition to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
         return self.added(ModelStructure.standard(thigh_length))
 
     def added(self, model: ModelStructure) -> Float:
-        """Return what it adds to the base parameters (P,) of a model's machine; PayloadError where that has no such
+        """Addition to the base parameters (P,) of a model's machine; PayloadError where that has no such
         link, or other coordinates.
         """
         if model.spatial != (len(self._place) == 3):

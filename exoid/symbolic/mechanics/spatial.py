@@ -127,7 +127,7 @@ def wrench_torques(
 
 
 def joint_frames(joints: Sequence[Joint], q: Sequence[Any], lib: Any) -> list[tuple[Rows, Triple]]:
-    """Return how every joint's frame is turned, and where its origin is in m, in the frame of the base (J,)."""
+    """Rotation of every joint's frame, and its origin in m, in the frame of the base (J,)."""
     found: list[tuple[Rows, Triple]] = []
     for k, above in enumerate(parents(joints)):
         turned, place = _step(joints[k], q[k], lib)
@@ -140,7 +140,7 @@ def joint_frames(joints: Sequence[Joint], q: Sequence[Any], lib: Any) -> list[tu
 
 
 def end_point(joints: Sequence[Joint], q: Sequence[Any], reach: Any, lib: Any) -> Triple:
-    """Return where the point is, in m in the frame of the base, that lies `reach` m from the origin of the last joint
+    """Position, in m in the frame of the base, of the point that lies `reach` m from the origin of the last joint
     along its axis.
     """
     turned, place = joint_frames(joints, q, lib)[-1]
@@ -149,7 +149,7 @@ def end_point(joints: Sequence[Joint], q: Sequence[Any], reach: Any, lib: Any) -
 
 @lru_cache(maxsize=256)
 def rotation(origin: Origin) -> Rows:
-    """Return how a frame at `origin` is turned in that of its carrier: its axes are the columns."""
+    """Rotation of a frame at `origin` in that of its carrier: its axes are the columns."""
     rows = turned_by(*origin.rpy, math)
     exact = [[round(entry) + 0.0 if abs(entry - round(entry)) < EXACT else entry for entry in row] for row in rows]
     return tuple((a, b, c) for a, b, c in exact)  # type: ignore[return-value]
@@ -160,7 +160,7 @@ def _axis(joint: Joint) -> Vector:
 
 
 def _step(joint: Joint, q: Any, lib: Any) -> tuple[Rows, Triple]:
-    """Return how a link's frame is turned in that of its carrier, and where its origin lies there."""
+    """Rotation of a link's frame in that of its carrier, and its origin there."""
     origin, axis = joint.origin or HERE, _axis(joint)
     fixed = rotation(origin)
     if not joint.turns:
@@ -195,7 +195,7 @@ def _bodies(
         if parent is not None or base:
             swing = _add(_cross(turning, place), _cross(rate, _cross(rate, place)))
             acceleration = _add(acceleration, swing)
-        rate, turning, acceleration = (_back(turned, one) for one in (rate, turning, acceleration))
+        rate, turning, acceleration = (_back(turned, item) for item in (rate, turning, acceleration))
         axis = _axis(joint)
         moved = _scale(dq[k], axis)
         if joint.turns:

@@ -65,7 +65,7 @@ def tree_form(
 
 @dataclass(frozen=True)
 class TreeChanges:
-    """What effects changed about a machine: the `offset` of its joints (J,), {link: mass times distance from its axis}
+    """Changes of a machine by effects: the `offset` of its joints (J,), {link: mass times distance from its axis}
     and {link: another length}, and the `pull` forwards and downwards, gravity included.
     """
 
@@ -76,7 +76,7 @@ class TreeChanges:
 
 
 def tree_changes(mechanism: Mechanism) -> TreeChanges:
-    """Return what effects changed about a machine; EffectError for a change that base parameters do not know."""
+    """Changes of a machine by effects; EffectError for a change that base parameters do not know."""
     from sympy import cos, sin
 
     plain = machine(mechanism.joints)

@@ -287,7 +287,7 @@ MODEL_KEYS = frozenset(
 
 
 def _is_model(content: bytes) -> bool:
-    """Whether a file that begins so is a model file, or empty: every line of its beginning is TOML of a model."""
+    """True if a file that begins so is a model file, or empty: every line of its beginning is TOML of a model."""
     text = content.decode("utf-8", "replace")
     lines = (line.strip() for line in text.splitlines())
     first = next((line for line in lines if line and not line.startswith("#")), None)

@@ -254,8 +254,8 @@ def pairs(text: str) -> dict[str, str]:
 def merged(given: Sequence[dict[str, str]], option: str) -> dict[str, str]:
     """Return one mapping from a repeated option; raises UsageError when two of them disagree."""
     total: dict[str, str] = {}
-    for one in given:
-        for name, value in one.items():
+    for entry in given:
+        for name, value in entry.items():
             if total.get(name, value) != value:
                 raise UsageError(f"{name} is given as {total[name]!r} and as {value!r}", where=option)
             total[name] = value

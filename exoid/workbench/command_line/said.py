@@ -26,8 +26,8 @@ def say_findings(recordings: Sequence[Recording], args: argparse.Namespace) -> N
 
     told = [
         finding
-        for one in recordings
-        for finding in one.findings
+        for recording in recordings
+        for finding in recording.findings
         if finding.check not in CONVENTION and (finding.severity != "info" or finding.check in ("mapping", LEFT_OUT))
     ]
     if getattr(args, "verbose", False):
@@ -48,8 +48,8 @@ def say_findings(recordings: Sequence[Recording], args: argparse.Namespace) -> N
 def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
     """Return the findings in groups of those that say the same but for their numbers, one of each file."""
     groups: dict[tuple[str, str, str], list[Finding]] = {}
-    for one in findings:
-        groups.setdefault((one.severity, one.check, re.sub(r"\d[\d.,]*", "#", one.what)), []).append(one)
+    for item in findings:
+        groups.setdefault((item.severity, item.check, re.sub(r"\d[\d.,]*", "#", item.what)), []).append(item)
     return list(groups.values())
 
 
@@ -58,7 +58,7 @@ def _file(finding: Finding) -> str:
 
 
 def _more(others: Sequence[Finding]) -> str:
-    names = list(dict.fromkeys(_file(one) for one in others))
+    names = list(dict.fromkeys(_file(other) for other in others))
     if not names:
         return ""
     return f", alike in {names[0]}" if len(names) == 1 else f", alike in {len(names)} more files"

@@ -48,8 +48,8 @@ def run(args: argparse.Namespace) -> int:
     from exoid.workbench.command_line.said import say_findings
     from exoid.workbench.terminal.showing import show_comparison, show_diagnosis, show_steps, truth_sentence
 
-    recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]
-    verify = [one for path in sorted(DATA.glob("verify*.csv")) for one in read(str(path))]
+    recordings = [item for path in sorted(DATA.glob("train*.csv")) for item in read(str(path))]
+    verify = [entry for path in sorted(DATA.glob("verify*.csv")) for entry in read(str(path))]
     say_findings([*recordings, *verify], args)
     given = Inputs(load_model(None), tuple(recordings), tuple(verify))
     found, comparison = answer(args, discover, given)
@@ -80,4 +80,4 @@ def _control(model: Model, before: Fit, found: Diagnosis, truth: Truth, seed: in
     models = {"the base model": (model, before.linear, before.shape)}
     if found.accepted:
         models["what was found"] = (found.model, found.fit.linear, found.fit.shape)
-    return track(models, effects=[Hidden(one.id, one.joint, one.values) for one in truth.effects], seed=seed)
+    return track(models, effects=[Hidden(item.id, item.joint, item.values) for item in truth.effects], seed=seed)

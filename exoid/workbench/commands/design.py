@@ -270,9 +270,9 @@ def _show_separation(screen: Screen, found: Any) -> None:
             for (a, b), far in found.apart.items()
         ]
         screen.table("σ apart, everything else refitted", head, rows)
-    for one in found.same:
-        for way in one.ways:
+    for item in found.same:
+        for way in item.ways:
             screen.say(f"instead: {way}")
-    for one in found.rivals:
-        screen.say(one.sentence, "faint")
+    for rival in found.rivals:
+        screen.say(rival.sentence, "faint")
     screen.say(f"noise: {found.noise}; filter {found.cutoff:g} Hz", "faint")

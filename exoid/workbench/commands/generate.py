@@ -83,8 +83,8 @@ def run(args: argparse.Namespace) -> int:
     for name, state in states.items():
         screen.say(f"  {state:<9}  {folder / name}")
     screen.say(f"compiled: {'as C' if backend == 'c' else 'no C compiler, CasADi computes instead (slower)'}")
-    for one in properties:
-        screen.say(f"  {one}", "good" if one.holds else "bad")
+    for item in properties:
+        screen.say(f"  {item}", "good" if item.holds else "bad")
     # Outside a checkout there are no files to be out of date, unless somebody names the folder where they should be.
     absent = args.out is None and all(state == "new" for state in states.values())
     stale = args.check and not absent and any(state != "unchanged" for state in states.values())
@@ -98,7 +98,7 @@ def run(args: argparse.Namespace) -> int:
             "files": states, "checked_only": bool(args.check), "backend": backend,
             "checks": [{"name": c.name, "holds": c.holds, "how": c.how, "detail": c.detail} for c in properties],
         })  # fmt: skip
-    return 1 if stale or not all(one.holds for one in properties) else 0
+    return 1 if stale or not all(entry.holds for entry in properties) else 0
 
 
 def _print(args: argparse.Namespace) -> int:

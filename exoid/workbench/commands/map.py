@@ -100,7 +100,7 @@ def _reach(values: Any) -> str:
     """Return "0 to 20" of numbers, with as many digits as it takes to distinguish the two: a clock in ms since 1970."""
     low, high = float(values.min()), float(values.max())
     digits = next((count for count in range(4, 17) if f"{low:.{count}g}" != f"{high:.{count}g}"), 4)
-    return " to ".join(f"{one:.{digits}g}" if digits == 4 else f"{one:.15g}" for one in (low, high))
+    return " to ".join(f"{item:.{digits}g}" if digits == 4 else f"{item:.15g}" for item in (low, high))
 
 
 def _asked(table: Any, told: Any, where: str, screen: Screen, joints: Sequence[Joint]) -> Any:

@@ -92,7 +92,7 @@ def run(args: argparse.Namespace) -> int:
         write_json(args.json, {
             "schema": "exoid.simulation/1", "recordings": [str(path) for path in files],
             "seal": str(seal), "seed": args.seed,
-            "effects": None if args.blind else [one.name for one in hidden],
+            "effects": None if args.blind else [effect.name for effect in hidden],
             "truth": None if args.blind else truth.to_json(),
         })  # fmt: skip
     return 0

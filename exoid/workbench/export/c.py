@@ -105,7 +105,7 @@ void {n}_coriolis({_arguments("q dq > coriolis", size, extra)});
 
 
 def _extra(ready: Ready) -> dict[str, int]:
-    """Return how many numbers the base's motion and the measured forces have, 0 where there are none."""
+    """Count of the numbers of the base's motion and of the measured forces, 0 where there are none."""
     return {"base": len(ready.model.base_state), "force": len(ready.model.channels)}
 
 

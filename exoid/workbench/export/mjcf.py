@@ -62,10 +62,10 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
 def _in_a_plane(ready: Ready) -> list[tuple[str, str, str]]:
     """Return attributes of every link: of its body, of the inertial of that, and its joint's axis."""
     joints, found = tree_of(ready.model), []
-    for joint, parent, one in zip(joints, parents(joints), links_of(ready), strict=True):
+    for joint, parent, item in zip(joints, parents(joints), links_of(ready), strict=True):
         down = 0.0 if parent is None else float(joints[parent].length or 0.0)
-        (along, across), own = one.centre, one.about_centre
-        inertial = f'pos="{across!r} 0 {-along!r}" mass="{one.mass!r}" diaginertia="{own!r} {own!r} {own!r}"'
+        (along, across), own = item.centre, item.about_centre
+        inertial = f'pos="{across!r} 0 {-along!r}" mass="{item.mass!r}" diaginertia="{own!r} {own!r} {own!r}"'
         found.append((f'pos="0 0 {0.0 - down!r}"', inertial, "0 -1 0" if joint.turns else "0 0 -1"))
     return found
 
@@ -73,10 +73,10 @@ def _in_a_plane(ready: Ready) -> list[tuple[str, str, str]]:
 def _in_space(ready: Ready) -> list[tuple[str, str, str]]:
     """Return the same of a spatial machine."""
     found = []
-    for joint, one in zip(ready.model.joints, bodies_of(ready), strict=True):
-        origin, tensor = joint.origin or HERE, one.inertia
+    for joint, item in zip(ready.model.joints, bodies_of(ready), strict=True):
+        origin, tensor = joint.origin or HERE, item.inertia
         entries = _numbers(tensor[place] for place in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
-        inertial = f'pos="{_numbers(one.centre)}" mass="{one.mass!r}" fullinertia="{entries}"'
+        inertial = f'pos="{_numbers(item.centre)}" mass="{item.mass!r}" fullinertia="{entries}"'
         place = f'pos="{_numbers(origin.xyz)}" euler="{_numbers(origin.rpy)}"'
         found.append((place, inertial, _numbers(joint.axis or ())))
     return found

@@ -36,9 +36,9 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     base = base_name(names)
     if ready.model.spatial:
         named = zip(names, bodies_of(ready), strict=True)
-        parts = [f'  <link name="{name}">{inertial_of(one)}</link>' for name, one in named]
+        parts = [f'  <link name="{name}">{inertial_of(item)}</link>' for name, item in named]
     else:
-        parts = [_link(name, one) for name, one in zip(names, links_of(ready), strict=True)]
+        parts = [_link(name, entry) for name, entry in zip(names, links_of(ready), strict=True)]
     for joint, child, parent in zip(joints, names, parents(joints), strict=True):
         above = base if parent is None else names[parent]
         if joint.axis is not None:

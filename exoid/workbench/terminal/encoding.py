@@ -37,7 +37,7 @@ def ascii_text(text: str) -> str:
 
 
 def spells(stream: TextIO, sample: str = "θ·█") -> bool:
-    """Whether `stream` can write what exoid writes."""
+    """True if `stream` can write what exoid writes."""
     try:
         sample.encode(stream.encoding or "utf-8")
     except (UnicodeEncodeError, LookupError):
@@ -50,8 +50,8 @@ _NOWHERE: list[TextIO] = []
 
 
 def is_closed(stream: TextIO) -> bool:
-    """Whether what is written to a standard stream comes to nobody: it was closed (`>&-`)."""
-    return any(stream is one for one in _NOWHERE)
+    """True if what is written to a standard stream comes to nobody: it was closed (`>&-`)."""
+    return any(stream is item for item in _NOWHERE)
 
 
 def _open_closed() -> None:

@@ -121,15 +121,15 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     show_findings(screen, found.audit)
     for force in result.get("forces", ()):
         screen.say(f"measured force: {force['sentence']}", "faint")
-    for one in result["accepted"]:
-        likes, never = (", ".join(map(found.called, one.get(key) or ())) for key in ("look_alikes", "never_separable"))
+    for item in result["accepted"]:
+        likes, never = (", ".join(map(found.called, item.get(key) or ())) for key in ("look_alikes", "never_separable"))
         said = [f"these data cannot distinguish it from {likes}"] if likes else []
         said += [f"no motion can distinguish it from {never}"] if never else []
-        screen.say(f"  + {found.called(term(one))}: {'; '.join([one['sureness'], *said])}")
-        if one.get("stability"):
-            screen.say(f"    {one['stability']}", "faint")
-    for one in result.get("possible", ()):
-        screen.say(f"  possible: {found.called(term(one))}: {one['reason']}  [{term(one)}]")
+        screen.say(f"  + {found.called(term(item))}: {'; '.join([item['sureness'], *said])}")
+        if item.get("stability"):
+            screen.say(f"    {item['stability']}", "faint")
+    for entry in result.get("possible", ()):
+        screen.say(f"  possible: {found.called(term(entry))}: {entry['reason']}  [{term(entry)}]")
     suspects = result["suspects"][:MOST_SUSPECTS]
     if suspects:
         rows = [
@@ -192,7 +192,7 @@ def truth_sentence(truth: Any) -> str:
     if not truth.effects:
         return "nothing was hidden."
     parts = []
-    for one in truth.effects:
-        sizes = ", ".join(f"{name} = {number(value)}" for name, value in one.values.items())
-        parts.append(f"{one.term} ({sizes})" if sizes else one.term)
+    for effect in truth.effects:
+        sizes = ", ".join(f"{name} = {number(value)}" for name, value in effect.values.items())
+        parts.append(f"{effect.term} ({sizes})" if sizes else effect.term)
     return " and ".join(parts) + (" was hidden." if len(parts) == 1 else " were hidden.")

@@ -312,7 +312,7 @@ def simulated(
             runs = simulate_runs(4, model, leg, effects=hidden, seed=case.number, bench=bench)
             break
         except BenchError:
-            hidden = tuple(_scaled(one, 0.7) for one in hidden)
+            hidden = tuple(_scaled(effect, 0.7) for effect in hidden)
     else:
         runs = simulate_runs(4, model, leg, effects=hidden, seed=case.number, bench=bench)
     if bench is not None:
@@ -330,7 +330,7 @@ def _beside_what_pushes(
         told = as_measured(runs) if case.kind in UNMEASURED else as_read(runs)
         if not hidden or shows(model, runs, told):
             break
-        larger = tuple(_possible(_scaled(one, 1.5), model, leg) for one in hidden)
+        larger = tuple(_possible(_scaled(effect, 1.5), model, leg) for effect in hidden)
         try:
             runs, hidden = simulate_runs(4, model, leg, effects=larger, seed=case.number, bench=bench), larger
         except BenchError:

@@ -29,14 +29,14 @@ from exoid.diagnosis.rules import RULES
 
 
 def matched(line: Mapping[str, Any]) -> tuple[int, int]:
-    """Return how many hidden effects were found (each by another accepted one), and how many accepted are extra."""
+    """Numbers of hidden effects found (each by another accepted one) and of accepted ones that are extra."""
     answers = match(list(line["hidden"]), [(a["name"], a["look_alikes"]) for a in line["accepted"]])
     found = sum(by is not None for by in answers.values())
     return found, len(line["accepted"]) - found
 
 
 def right(line: Mapping[str, Any]) -> bool:
-    """Whether the answer is what a user should have been told."""
+    """True if the answer is what a user should have been told."""
     if "error" in line:
         return False
     if line["kind"] == "outside":
@@ -61,7 +61,7 @@ def excess(line: Mapping[str, Any]) -> float:
 
 
 def tellable(line: Mapping[str, Any]) -> bool:
-    """Whether knowing what is hidden would have lowered the squared error on unseen motion enough at some joint, both
+    """True if knowing what is hidden would have lowered the squared error on unseen motion enough at some joint, both
     that of the given model and that of what was found.
     """
     true = np.array(line["rms"]["true"])

@@ -29,7 +29,7 @@ def true_fit(model: Model, runs: Sequence[BenchRun], recordings: Sequence[Record
 
 
 def shows(model: Model, runs: Sequence[BenchRun], recordings: Sequence[Recording]) -> bool:
-    """Whether knowing what is hidden lowers the error of unseen motion by SHOWN of its square."""
+    """True if knowing what is hidden lowers the error of unseen motion by SHOWN of its square."""
     known = true_fit(model, runs, recordings)
     plain = identify(model.with_forces(*known.model.forces), known.prepared.train, optimisers=())
     before = fitted_model(plain, known.prepared).evaluation_rms

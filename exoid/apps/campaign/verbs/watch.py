@@ -27,25 +27,25 @@ def row_of_events(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     does not determine the model.
     """
     changes: list[Mapping[str, Any]] = []
-    for one in events:
-        if one["event"] == "change" and one["kind"] != "over":
-            if changes and one.get("state") == "refined":
+    for event in events:
+        if event["event"] == "change" and event["kind"] != "over":
+            if changes and event.get("state") == "refined":
                 changes.pop()
-            changes.append(one)
-    kinds = {one["event"] for one in events}
-    last: Mapping[str, Any] = next((one for one in reversed(events) if one["event"] == "summary"), {})
+            changes.append(event)
+    kinds = {item["event"] for item in events}
+    last: Mapping[str, Any] = next((entry for entry in reversed(events) if entry["event"] == "summary"), {})
     verdict = "unchanged" if "reference" in kinds else "undetermined"
     accepted = [
         {
             "name": found["name"], "parameters": found["change"], "look_alikes": found["look_alikes"],
-            "p_value": found["p_value"], "since": one.get("since"), "kind": one["kind"],
+            "p_value": found["p_value"], "since": change.get("since"), "kind": change["kind"],
         }
-        for one in changes for found in one["differences"]
+        for change in changes for found in change["differences"]
     ]  # fmt: skip
     return {
         "schema": "exoid.watch/1",
         "verdict": "changed" if changes else "unexplained" if "unexplained" in kinds else verdict,
-        "joints": next((one["joints"] for one in events if one["event"] == "start"), []),
+        "joints": next((element["joints"] for element in events if element["event"] == "start"), []),
         "accepted": accepted, "parameters": last.get("parameters", {}), "events": list(events),
         **({"rms_before": changes[0]["rms_before"], "rms_after": changes[-1]["rms_after"]} if changes else {}),
     }  # fmt: skip

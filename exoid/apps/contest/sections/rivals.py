@@ -17,7 +17,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     found = material.payload
     if not isinstance(found, Mapping) or found.get("schema") != "exoid.rivals/1":
         return None
-    targets = [_power(one["target"]) for one in _shown(next(iter(found["optimisers"].values())))]
+    targets = [_power(item["target"]) for item in _shown(next(iter(found["optimisers"].values())))]
     return {
         "problem": found["problem"],
         "seeds": len(found["seeds"]),
@@ -25,8 +25,8 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "reference": found["reference"],
         "ert_head": ("optimiser", "median gap", *targets),
         "ert_rows": [
-            (name, one["median_gap"], *(_time(runtime) for runtime in _shown(one)))
-            for name, one in found["optimisers"].items()
+            (name, optimiser["median_gap"], *(_time(runtime) for runtime in _shown(optimiser)))
+            for name, optimiser in found["optimisers"].items()
         ],
         "test_head": ("optimiser", "question", "better", "worse", "p", "p (Holm)"),
         "test_rows": [

@@ -1,16 +1,17 @@
-"""Before anything is open: the demo, or a session that was kept."""
+"""Start screen: the demo, a session that was kept, or one of the last that were."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from exoid.apps.page import saved
+from exoid.apps.page import recent, saved
 from exoid.apps.page.given import FIT
 from exoid.apps.page.message import folder_in
+from exoid.apps.page.reply import as_json
 from exoid.ground.errors import RecordingError
 
 if TYPE_CHECKING:
-    from exoid.apps.page.reply import Action
+    from exoid.apps.page.reply import Action, Answer
     from exoid.apps.page.workspace import Workspace
 
 
@@ -33,4 +34,9 @@ def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
         saved.reopen(workspace, folder_in(told))
 
 
-ACTIONS: dict[str, Action] = {"demo": _demo, "reopen": _reopen}
+def _forget(workspace: Workspace, told: dict[str, Any]) -> None:
+    recent.forget()
+
+
+ANSWERS: dict[str, Answer] = {"recent": lambda workspace, request: as_json({"folders": recent.sessions()})}
+ACTIONS: dict[str, Action] = {"demo": _demo, "reopen": _reopen, "forget": _forget}

@@ -18,8 +18,8 @@ def _auto(workspace: Workspace, told: dict[str, Any]) -> None:
 
 def _read_as(workspace: Workspace, told: dict[str, Any]) -> None:
     """Read all files, or the one that is named, in another convention."""
-    for one in [one for one in workspace.given if told.get("file") in (None, one.name)]:
-        workspace.map_file(one.id, replace(one.told, convention=str(told["convention"])))
+    for item in [entry for entry in workspace.given if told.get("file") in (None, entry.name)]:
+        workspace.map_file(item.id, replace(item.told, convention=str(told["convention"])))
 
 
 ACTIONS: dict[str, Action] = {

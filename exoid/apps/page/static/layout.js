@@ -51,6 +51,7 @@ function setSize(pane, size) {
   const set = Math.round(Math.min(high, Math.max(low, size)));
   document.body.style.setProperty(`--${pane}`, `${set}px`);
   document.body.classList.add(`sized-${pane}`);
+  for (const edge of document.querySelectorAll(`.split[data-pane=${pane}]`)) edge.setAttribute("aria-valuenow", String(set));
   return set;
 }
 

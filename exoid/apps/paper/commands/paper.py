@@ -68,8 +68,8 @@ def run(args: argparse.Namespace) -> int:
     deliver_results(args, screen, {"schema": "exoid.paper/1", **found.to_json()}, lambda: Material(
         title="The paper, made again", answer=_sentence(found), seconds=found.seconds,
         pictures=tuple(
-            Picture(f"{one.item.name}: {one.item.title}", picture.alt, picture.figure)
-            for one in found.answered for picture in one.answer.pictures
+            Picture(f"{answer.item.name}: {answer.item.title}", picture.alt, picture.figure)
+            for answer in found.answered for picture in answer.answer.pictures
         ),
     ))  # fmt: skip
     return 0
@@ -89,8 +89,8 @@ def _list(args: argparse.Namespace, screen: Screen) -> int:
 
 def _show(screen: Screen, found: Reproduced) -> None:
     """Show of each item what the paper says, what comes out, whether it holds, with its formula and its tables."""
-    for one in found.answered:
-        item, answer = one.item, one.answer
+    for entry in found.answered:
+        item, answer = entry.item, entry.answer
         screen.say(f"{item.name}: {item.title}", "head")
         screen.say(f"  the paper  {item.says}")
         screen.say(f"  here       {answer.found}")
@@ -109,6 +109,6 @@ def _plain(cell: str) -> str:
 
 
 def _sentence(found: Reproduced) -> str:
-    """Return how many items hold, in words."""
-    counts = Counter(one.answer.holds for one in found.answered)
+    """Number of items that hold, in words."""
+    counts = Counter(answer.answer.holds for answer in found.answered)
     return "Of what the paper shows: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) + "."

@@ -28,7 +28,7 @@ def answer(experiments: Experiments) -> ItemAnswer:
     wanted = np.empty_like(x)
     for i, own in enumerate(x):
         far = np.linalg.norm(x - own, axis=1)
-        better, worse = (min(np.flatnonzero(one), key=lambda j: far[j], default=i) for one in (f < f[i], f > f[i]))
+        better, worse = (min(np.flatnonzero(item), key=lambda j: far[j], default=i) for item in (f < f[i], f > f[i]))
         wanted[i] = own + step.alpha * (pull[i] * (x[better] - own) + push[i] * (x[better] - x[worse]))
     apart = float(np.max(np.abs(trial - wanted)))
     return ItemAnswer(

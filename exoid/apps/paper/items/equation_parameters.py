@@ -24,7 +24,7 @@ def answer(experiments: Experiments) -> ItemAnswer:
         i1 + i2 + m1 * l1**2 + m2 * a**2 + m2 * l2**2, i2 + m2 * l2**2, m2 * a * l2, m1 * a * l1 - i1 - m1 * l1**2,
     )  # fmt: skip
     found = derive_regressor(plain)
-    same = [expand(one - other) == 0 for one, other in zip(found.parameters, printed, strict=True)]
+    same = [expand(parameter - other) == 0 for parameter, other in zip(found.parameters, printed, strict=True)]
     lines = [f"{name} = {made}    [kg·m²]" for name, made in zip(found.names, found.parameters, strict=True)]
     friction = experiments.leg.parameters[len(printed) :]
     lines += [f"Phi{k} = {p.label}    [{p.unit}]" for k, p in enumerate(friction, len(printed) + 1)]

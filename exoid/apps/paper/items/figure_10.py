@@ -25,9 +25,9 @@ def answer(experiments: Experiments) -> ItemAnswer:
     soon = {name: squared.runtimes[name][-1] for name in squared.outcomes if name.endswith("_whitened")}
     right = order[0] == "nfo" and arrived == len(squared.seeds)
     last = squared.contest.targets[-1]
-    whitened = ", ".join(f"{_written(name)} in {one.hits} of {one.runs} runs" for name, one in soon.items())
+    whitened = ", ".join(f"{_written(name)} in {entry.hits} of {entry.runs} runs" for name, entry in soon.items())
     panels = {
-        loss: {_written(name): one.convergence(name) for name in one.outcomes} for loss, one in found.items()
+        loss: {_written(name): item.convergence(name) for name in item.outcomes} for loss, item in found.items()
     }
     alt = "Relative distance to the proven optimum over evaluations of NFO, PSO and GA; left SSE, right Huber."
     return ItemAnswer(
@@ -36,7 +36,7 @@ def answer(experiments: Experiments) -> ItemAnswer:
         HOLDS if right else FAILS,
         "" if right else f"as printed {order[0].upper()} is ahead; “nearest” is a Euclidean word, and in physical "
         "coordinates a kg·m² and an N·m·s/rad count alike although the torque feels one of them a hundred times more",
-        tables=tuple(_table(loss, one) for loss, one in found.items()),
+        tables=tuple(_table(loss, element) for loss, element in found.items()),
         pictures=(PaperPicture("convergence", alt, gap_figure(panels, LEAST)),),
     )  # fmt: skip
 

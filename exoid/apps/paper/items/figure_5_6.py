@@ -30,7 +30,7 @@ def answer(experiments: Experiments) -> ItemAnswer:
         alt = f"Torque of hip and knee in ten seconds of the fitted motion: measured, true, SSE, Huber. Errors: {name}."
         pictures.append(PaperPicture(f"fit_{word}", alt, figure))
         explained[name] = 1.0 - data.rms(one.sse) ** 2 / np.var(data.tau, axis=1)
-    said = {name: " and ".join(f"{100 * share:.0f} %" for share in one) for name, one in explained.items()}
+    said = {name: " and ".join(f"{100 * share:.0f} %" for share in item) for name, item in explained.items()}
     holds = bool(np.min(explained[USUAL]) >= ENOUGH)
     return ItemAnswer(
         f"SSE explains {said[USUAL]} of the measured torque's variance at hip and knee with the bench's instruments, "

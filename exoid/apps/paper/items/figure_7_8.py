@@ -20,8 +20,8 @@ AGAINST = ("true", "measured")
 def answer(experiments: Experiments) -> ItemAnswer:
     """Judge both fits on unseen motion, against true and measured torque, with three kinds of sensor errors."""
     fits = experiments.fits
-    ratios = {name: {how: [one.ratio(how) for one in several] for how in AGAINST} for name, several in fits.items()}
-    middle = {name: float(np.median(one["true"])) for name, one in ratios.items()}
+    ratios = {name: {how: [item.ratio(how) for item in several] for how in AGAINST} for name, several in fits.items()}
+    middle = {name: float(np.median(ratio["true"])) for name, ratio in ratios.items()}
     one, unseen = fits[ONE_SIDED][0], experiments.unseen[0]
     t = np.arange(one.verify.tau.shape[1])[SHOWN] / RATE
     predicted = {"SSE": one.sse, "Huber": one.huber}

@@ -19,20 +19,20 @@ MEASURES = {"condition": "cond(Ȳ)", "d_optimal": "mean standard deviation", "wo
 def answer(experiments: Experiments) -> ItemAnswer:
     """Design a motion by each criterion and evaluate all of them, the published one too, by every criterion."""
     leg = experiments.leg
-    motions = {f"designed for {MEASURES[name]}": one.trajectory for name, one in experiments.designs.items()}
+    motions = {f"designed for {MEASURES[name]}": design.trajectory for name, design in experiments.designs.items()}
     motions["the published motion"] = experiments.published().trajectory
     values = {
-        name: {one: evaluate(path, leg, criterion=one).value for one in CRITERION_NAMES}
+        name: {element: evaluate(path, leg, criterion=element).value for element in CRITERION_NAMES}
         for name, path in motions.items()
     }
-    least = {one: min(each[one] for each in values.values()) for one in CRITERION_NAMES}
+    least = {item: min(each[item] for each in values.values()) for item in CRITERION_NAMES}
     half = 0.5 / len(leg.parameters)
 
     def factor(one: str, value: float) -> float:
         return math.exp(half * (value - least[one])) if one == "d_optimal" else value / least[one]
 
     scores = {name: {MEASURES[one]: factor(one, each[one]) for one in MEASURES} for name, each in values.items()}
-    by_condition, by_det = (scores[f"designed for {MEASURES[one]}"] for one in ("condition", "d_optimal"))
+    by_condition, by_det = (scores[f"designed for {MEASURES[entry]}"] for entry in ("condition", "d_optimal"))
     mean, worst = MEASURES["d_optimal"], MEASURES["worst"]
     rows = [(name, *(f"{score:.2f}" for score in each.values())) for name, each in scores.items()]
     caption = "Each motion by each measure, as a multiple of the best motion's:"

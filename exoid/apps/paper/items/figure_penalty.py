@@ -17,14 +17,14 @@ def answer(experiments: Experiments) -> ItemAnswer:
     """Search in boxes of several sizes with the penalty, and with every motion rescaled into the limits."""
     found = experiments.boxes
     ends = {name: run_conditions(found, name) for name in found.outcomes}
-    inside = {name: one[np.isfinite(one)] for name, one in ends.items()}
-    starved = [name for name, one in inside.items() if not one.size]
+    inside = {name: end[np.isfinite(end)] for name, end in ends.items()}
+    starved = [name for name, item in inside.items() if not item.size]
     rescaled = float(np.median(ends[list(ends)[-1]]))
     design = experiments.designs["condition"].condition
     rows = [
-        (name, f"{one.size} of {len(ends[name])}",
-         f"{np.median(one):.1f} ({one.min():.1f} to {one.max():.1f})" if one.size else "∞ in every run")
-        for name, one in inside.items()
+        (name, f"{entry.size} of {len(ends[name])}",
+         f"{np.median(entry):.1f} ({entry.min():.1f} to {entry.max():.1f})" if entry.size else "∞ in every run")
+        for name, entry in inside.items()
     ]  # fmt: skip
     rows += [(f"`exoid design`: {name}", "", f"{value:.1f}") for name, value in experiments.motions.known.items()]
     head = ("NFO, 20 × 400 evaluations", "runs that found a motion inside", "cond(Ȳ), median (range)")

@@ -19,7 +19,7 @@ def answer(experiments: Experiments) -> ItemAnswer:
     path = paper_trajectory()
     swing = np.abs(path.at(np.linspace(0.0, path.period, 2000)).q - path.offset)
     found = {period: experiments.published(period) for period in PERIODS}
-    rows = [(f"{p:g} s", f"{one.condition:.1f}", "yes" if one.feasible else "**no**") for p, one in found.items()]
+    rows = [(f"{p:g} s", f"{item.condition:.1f}", "yes" if item.feasible else "**no**") for p, item in found.items()]
     degrees = [
         (joint, word, *(f"{value:.2f}" for value in np.rad2deg(values[j])))
         for j, joint in enumerate(JOINTS) for word, values in (("sin", path.sine), ("cos", path.cosine))

@@ -17,10 +17,10 @@ def answer(experiments: Experiments) -> ItemAnswer:
     """Apply the rule to recordings with three kinds of sensor errors."""
     rows, shares = [], []
     for name, several in experiments.fits.items():
-        delta = np.median([one.delta for one in several], axis=0)
-        outside = [np.mean(np.abs(one.data.residual(one.sse)) > one.delta[:, None]) for one in several]
+        delta = np.median([entry.delta for entry in several], axis=0)
+        outside = [np.mean(np.abs(item.data.residual(item.sse)) > item.delta[:, None]) for item in several]
         shares += outside
-        gap = max(one.proof.gap for one in several)
+        gap = max(element.proof.gap for element in several)
         rows.append((name, f"{delta[0]:.0f} / {delta[1]:.0f}", f"{100 * np.median(outside):.1f} %", f"{gap:.0e}"))
     head = ("errors of the torque sensor", "δ hip / knee [N·m]", "points outside", "largest duality gap of Huber's fit")
     return ItemAnswer(

@@ -20,7 +20,7 @@ def answer(experiments: Experiments) -> ItemAnswer:
     own = np.median(experiments.identified, axis=0)
     columns = [PAPER_HUBER, PAPER_SSE]
     columns += [
-        np.median([getattr(one, which) for one in fits[name]], axis=0)
+        np.median([getattr(item, which) for item in fits[name]], axis=0)
         for name in (USUAL, ONE_SIDED) for which in ("sse", "huber")
     ]  # fmt: skip
     rows = [

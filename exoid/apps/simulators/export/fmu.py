@@ -93,9 +93,9 @@ def _forward(ready: Ready, options: Options) -> FmuModel:
     width = options.sign_width or SIGN_WIDTH
     joints, name = ready.model.joints, options.name
     middle = {joint: 0.5 * sum(limit.angle) for joint, limit in ready.model.motion_limits.items()}
-    states = [replace(one, start=_finite(middle.get(joint.name, 0.0))) for one, joint in
+    states = [replace(item, start=_finite(middle.get(joint.name, 0.0))) for item, joint in
               zip(_signals("q", STATE, joints), joints, strict=True)]  # fmt: skip
-    rates = [replace(one, name=f"der({one.name[1:]})", role=RATE) for one in _signals("dq", RATE, joints)]
+    rates = [replace(signal, name=f"der({signal.name[1:]})", role=RATE) for signal in _signals("dq", RATE, joints)]
     variables = (
         *_signals("tau", INPUT, joints), *_outside(ready), *states, *_signals("dq", STATE, joints), *rates,
         *_signals("ddq", RATE, joints),
@@ -118,7 +118,7 @@ def _estimator(ready: Ready, options: Options) -> FmuModel:
     numbers = [
         FmuVariable(f"number.{_word(p.name)}", OUTPUT, p.unit, p.label, ready.linear[p.name]) for p in model.parameters
     ]
-    spreads = [FmuVariable(f"deviation.{one.name[7:]}", OUTPUT, one.unit, "standard deviation") for one in numbers]
+    spreads = [FmuVariable(f"deviation.{item.name[7:]}", OUTPUT, item.unit, "standard deviation") for item in numbers]
     variables = (*_signals("q", INPUT, model.joints), *_signals("tau", INPUT, model.joints), *numbers, *spreads)
     place, count = _places(variables), len(numbers)
     step = f"&m->memory, m->v[0], m->v + {place('q')}, m->v + {place('tau')}"
@@ -156,7 +156,7 @@ def _places(variables: Sequence[FmuVariable]) -> Callable[[str], int]:
     """Return what gives the place of the first variable called "word." something; 0 where there is none."""
 
     def place(word: str) -> int:
-        return next((k for k, one in enumerate(variables, 1) if one.name.startswith(f"{word}.")), 0)
+        return next((k for k, variable in enumerate(variables, 1) if variable.name.startswith(f"{word}.")), 0)
 
     return place
 

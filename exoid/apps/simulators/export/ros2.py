@@ -119,7 +119,7 @@ def _friction(ready: Ready, q: Any, dq: Any, ddq: Any) -> Any:
 
 
 def _unequal(ready: Ready) -> bool:
-    """Return whether friction in other postures and accelerations is not that of the middle of the range."""
+    """True if friction in other postures and accelerations is not that of the middle of the range."""
     import numpy as np
 
     middle, rng = np.array(_middle(ready)), np.random.default_rng(0)

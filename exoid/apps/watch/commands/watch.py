@@ -163,9 +163,9 @@ def _follow(
 
     with handled(stop, "SIGINT", "SIGTERM", "SIGHUP"):
         for samples, notes in live_samples(args, watcher):
-            for one in notes:
-                before = samples[: one.before, 0]
-                report.line(one, float(before[-1]) if before.size else watcher.last)
+            for note in notes:
+                before = samples[: note.before, 0]
+                report.line(note, float(before[-1]) if before.size else watcher.last)
             report.all(watcher.push(samples))
             if live:
                 report.beat(len(samples))

@@ -67,10 +67,10 @@ class Scraped:
             self.changes.labels(self.device, name).set(1)
         for why, count in watcher.stream.lost.items():
             self.lost.labels(self.device, why).set(count)
-        for one in () if watcher.numbers is None else watcher.numbers.estimates():
+        for item in () if watcher.numbers is None else watcher.numbers.estimates():
             for side in ("value", "low", "high"):
-                value = getattr(one, side)  # infinite while too little has been seen
-                self.numbers.labels(self.device, one.name, one.unit, side).set(value)
+                value = getattr(item, side)  # infinite while too little has been seen
+                self.numbers.labels(self.device, item.name, item.unit, side).set(value)
 
     def close(self) -> None:
         """Give the port back."""

@@ -67,11 +67,11 @@ class Report:
 
     def all(self, events: list[Event]) -> None:
         """Tell events."""
-        for one in events:
-            self.alarms += one.alarm
-            style = "bad" if one.alarm else "warn" if one.event in ("motion", "waiting") else ""
-            self.screen.say(repr(one), style)
-            self._object(one.to_json())
+        for event in events:
+            self.alarms += event.alarm
+            style = "bad" if event.alarm else "warn" if event.event in ("motion", "waiting") else ""
+            self.screen.say(repr(event), style)
+            self._object(event.to_json())
         if self.course is not None:
             self.course.take(events)
         sys.stdout.flush()
@@ -106,13 +106,13 @@ class Report:
         if self.stream is not None:
             self.stream.write(json.dumps(found, ensure_ascii=True, allow_nan=False) + "\n")
             self.stream.flush()
-        for one in self.others:
-            one.take(found)
+        for other in self.others:
+            other.take(found)
 
     def close(self) -> None:
         """Deliver what is still under way."""
-        for one in self.others:
-            one.close()
+        for other in self.others:
+            other.close()
         if self.stream is not None and self.own:
             self.stream.close()
 
@@ -127,6 +127,6 @@ class Report:
         streamed = argparse.Namespace(**{**vars(self.args), "json": None})  # written already, as it came
         payload = {"schema": "exoid.watch/1", "events": self.events, "numbers": played.numbers, "t": played.t}
         deliver_results(streamed, self.screen, plain_dict(payload), lambda: Material(
-            title="While it ran", answer=" ".join(f"{one.rstrip('.')}." for one in told), model=self.watcher.model,
+            title="While it ran", answer=" ".join(f"{item.rstrip('.')}." for item in told), model=self.watcher.model,
             pictures=pictures_of(played),
         ))  # fmt: skip

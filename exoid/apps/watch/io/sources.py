@@ -22,7 +22,7 @@ PIPE, TOPIC = "-", "ros2:"
 
 
 def is_live(args: argparse.Namespace) -> bool:
-    """Return whether samples come as they are measured, so that there may be none for a while."""
+    """True if samples come as they are measured, so that there may be none for a while."""
     return args.source == PIPE or args.source.startswith(TOPIC) or args.follow or _may_grow(args.source)
 
 
@@ -65,15 +65,15 @@ def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[F
         return
     found = read(args.source, told, joints=model.joints, quiet=args.quiet)
     say_findings(found, args)
-    for one in found:
-        rows, names = stream_of(watcher.model, one)
+    for item in found:
+        rows, names = stream_of(watcher.model, item)
         watcher.measures(names)
         for first in range(0, len(rows), 1000):
             yield rows[first : first + 1000], ()
 
 
 def _may_grow(source: str) -> bool:
-    """Whether the file is text by its name and was written to a moment ago."""
+    """True if the file is text by its name and was written to a moment ago."""
     from exoid.apps.watch.io.growing import RECENT
 
     path = Path(source)

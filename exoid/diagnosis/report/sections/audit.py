@@ -18,21 +18,21 @@ def context(material: Material) -> Mapping[str, Any] | None:
         return None
     rows = [
         (
-            one.name,
+            recording.name,
             use,
-            len(one),
-            one.duration,
-            one.rate,
-            len(one) - int(one.complete.sum()),
-            one.source.sha256[:12] or "–",
+            len(recording),
+            recording.duration,
+            recording.rate,
+            len(recording) - int(recording.complete.sum()),
+            recording.source.sha256[:12] or "–",
         )
         for use, group in (("fitted", material.recordings), ("unseen", material.verify))
-        for one in group
+        for recording in group
     ]
     findings = [
         (f.severity, f"{f.where}: {f.what}" if f.where else f.what, f.remedy)
-        for one in (*material.recordings, *material.verify)
-        for f in one.findings
+        for item in (*material.recordings, *material.verify)
+        for f in item.findings
     ]
     return {
         "head": ("recording", "used as", "samples", "seconds", "Hz", "masked rows", "SHA-256"),

@@ -20,10 +20,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
     if material.diagnosis is None:
         return None
     found = material.diagnosis.to_json()
-    accepted = [_entry(one, material.model, added=True) for one in found.get("accepted", [])]
-    names = {one["name"] for one in accepted}
+    accepted = [_entry(item, material.model, added=True) for item in found.get("accepted", [])]
+    names = {effect["name"] for effect in accepted}
     suspects = [_entry(one, material.model, added=False) for one in found["suspects"][:MOST] if one["look_alikes"]]
-    entries = accepted + [one for one in suspects if one["name"] not in names]
+    entries = accepted + [suspect for suspect in suspects if suspect["name"] not in names]
     return {"entries": entries} if entries else None
 
 

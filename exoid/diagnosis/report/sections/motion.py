@@ -30,8 +30,8 @@ def _shown(material: Material) -> Mapping[str, Any]:
 
 def _limits(found: Mapping[str, Any]) -> Mapping[str, Any]:
     rows = [
-        (f"{one['joint']} {one['quantity']}", one["low"], one["high"], *one["limit"], one["unit"])
-        for one in found["limits"]
+        (f"{limit['joint']} {limit['quantity']}", limit["low"], limit["high"], *limit["limit"], limit["unit"])
+        for limit in found["limits"]
     ]
     return {"limit_head": ("", "lowest", "highest", "limit", "limit", "unit"), "limit_rows": rows}
 
@@ -51,11 +51,11 @@ def _design(found: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _separation(found: Mapping[str, Any]) -> Mapping[str, Any]:
-    usual = [one["sigma"] for one in found["at_random"]]
-    present = [one["sigma"] for one in found["present"] or ()]
+    usual = [item["sigma"] for item in found["at_random"]]
+    present = [entry["sigma"] for entry in found["present"] or ()]
     rows = [
-        (one["truth"], one["rival"], one["sigma"], usual[k], present[k] if present else None)
-        for k, one in enumerate(found["apart"])
+        (element["truth"], element["rival"], element["sigma"], usual[k], present[k] if present else None)
+        for k, element in enumerate(found["apart"])
     ]
     return {
         "head": ("true", "fitted", "designed", "at random", "present recordings"),

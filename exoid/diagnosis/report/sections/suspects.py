@@ -25,18 +25,18 @@ def context(material: Material) -> Mapping[str, Any] | None:
     rows = [
         (
             place,
-            title(term(one), material.model),
-            said_of(term(one), material.model) or "–",
-            share(one["explained_share"]),
-            one.get("sureness") or "–",
-            ", ".join(title(other, material.model) for other in one["look_alikes"]) or "–",
-            one.get("caution") or "–",
-            one["p_value"],
-            term(one),
+            title(term(suspect), material.model),
+            said_of(term(suspect), material.model) or "–",
+            share(suspect["explained_share"]),
+            suspect.get("sureness") or "–",
+            ", ".join(title(other, material.model) for other in suspect["look_alikes"]) or "–",
+            suspect.get("caution") or "–",
+            suspect["p_value"],
+            term(suspect),
         )
-        for place, one in enumerate(found["suspects"][:MOST], start=1)
+        for place, suspect in enumerate(found["suspects"][:MOST], start=1)
     ]
-    words = {one.get("sureness", "") for one in found["suspects"][:MOST]}
+    words = {item.get("sureness", "") for item in found["suspects"][:MOST]}
     names = (
         "rank", "effect", "what it means", "explains", "how sure", "look-alikes in these data", "caution", "p-value",
         "id",

@@ -35,7 +35,7 @@ def check(recording: Recording) -> list[Finding]:
         consequence = "wide intervals; small effects cannot be seen"
         found.append(Finding("length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, consequence))
     share = usable / count
-    chosen = any(one.check == SELECTION for one in recording.findings)  # which says itself how much it leaves out
+    chosen = any(item.check == SELECTION for item in recording.findings)  # which says itself how much it leaves out
     if share < USABLE and not chosen:
         what = f"{1 - share:.0%} of the rows are masked"
         remedy = "look at the findings above for the reason, and at the logger"

@@ -63,7 +63,7 @@ def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, 
 
 
 def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
-    """Whether the angle slows down before it stays, as a joint does that rests; an end of scale cuts it off."""
+    """True if the angle slows down before it stays, as a joint does that rests; an end of scale cuts it off."""
     steps = np.abs(np.diff(values))
     moving = steps[steps > 0]
     entering = steps[first[first > 0] - 1]

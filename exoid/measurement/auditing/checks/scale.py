@@ -64,12 +64,12 @@ def check(recording: Recording) -> list[Finding]:
 def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
     found = _factor(_motions(recordings), f"{len(recordings)} recordings together", only_plain=True)
-    return tuple(one for one in found if one.value is not None and _is_plain(one.value))
+    return tuple(item for item in found if item.value is not None and _is_plain(item.value))
 
 
 def _motions(recordings: Sequence[Recording]) -> list[Smooth]:
     """Return the smoothed recordings in which a leg moves and both its joints carry torque."""
-    motions = [smooth(one) for one in recordings if is_leg(one.joints)]
+    motions = [smooth(recording) for recording in recordings if is_leg(recording.joints)]
     return [m for m in motions if m is not None and np.all(m.tau.std(axis=0) > 0) and np.any(m.q.std(axis=0) > 0.02)]
 
 
@@ -96,7 +96,7 @@ def _factor(motions: Sequence[Smooth], where: str, only_plain: bool = False) -> 
     if not 0 < best < TRIED.size - 1:
         return []
     fine = np.geomspace(TRIED[best - 1], TRIED[best + 1], 13)
-    least, wanted = least_of(((_left(motions, one), float(one)) for one in fine), lambda one: one[0].sum(), 1.0)
+    least, wanted = least_of(((_left(motions, item), float(item)) for item in fine), lambda one: one[0].sum(), 1.0)
     far = now.sum() > TIMES * least.sum()
     # A knee torque that is far too small leaves the shank no mass: only the hip shows that, and only a little.
     alone = _is_plain(wanted) and np.any((now > TIMES * least) & (now - least > SHOWN))
@@ -113,7 +113,7 @@ def _factor(motions: Sequence[Smooth], where: str, only_plain: bool = False) -> 
 
 def _left(motions: Sequence[Smooth], factor: float) -> Float:
     """Return the share (J,) of the torques' power that is left when the knee torque is multiplied by `factor`."""
-    return np.asarray(np.mean([unexplained(one, factors=(1.0, factor))[0] for one in motions], axis=0))
+    return np.asarray(np.mean([unexplained(motion, factors=(1.0, factor))[0] for motion in motions], axis=0))
 
 
 def _finding(where: str, what: str, value: float, limit: float | None, remedy: str) -> Finding:

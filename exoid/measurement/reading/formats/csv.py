@@ -53,7 +53,7 @@ def read(path: Path, skip: int = 0) -> RawTable:
 
 
 def is_large(path: Path, most: int) -> bool:
-    """Whether the text has more than `most` bytes."""
+    """True if the text has more than `most` bytes."""
     return path.stat().st_size > most
 
 

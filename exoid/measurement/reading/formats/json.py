@@ -45,7 +45,7 @@ class _Found(NamedTuple):
 
     @property
     def size(self) -> int:
-        longest = max((len(one) for one in self.columns.values()), default=0)
+        longest = max((len(column) for column in self.columns.values()), default=0)
         return longest * len(self.columns) + sum(map(len, self.records))
 
 
@@ -59,7 +59,7 @@ def read(path: Path) -> RawTable:
 
 
 def holds_recording(content: bytes) -> bool:
-    """Whether the content of a file holds a table; settings and results, which lie beside it, are JSON as well.
+    """True if the content of a file holds a table; settings and results, which lie beside it, are JSON as well.
 
     What is damaged counts, so that it is refused with its reason.
     """
@@ -116,7 +116,7 @@ def _parsed(text: str, where: str) -> tuple[Any, Sequence[int], tuple[Finding, .
 
 
 def _is_whole(line: str) -> bool:
-    """Whether a line is a JSON object or list by itself."""
+    """True if a line is a JSON object or list by itself."""
     try:
         return line.lstrip()[:1] in ("{", "[") and isinstance(json.loads(line), (dict, list))
     except (ValueError, RecursionError):
@@ -132,9 +132,9 @@ def _tables_in(value: Any, units: Mapping[str, str] = MappingProxyType({}), dept
     if depth > DEEPEST:
         return
     if isinstance(value, list) and len(value) >= SHORTEST:
-        if all(isinstance(one, dict) for one in value):
-            yield _Found({}, [dict(_flat(one)) for one in value], units)
-        elif all(isinstance(one, list) for one in value):
+        if all(isinstance(item, dict) for item in value):
+            yield _Found({}, [dict(_flat(element)) for element in value], units)
+        elif all(isinstance(entry, list) for entry in value):
             headed = all(isinstance(name, str) for name in value[0])
             names = value[0] if headed else [str(k + 1) for k in range(len(value[0]))]
             yield _Found({}, [dict(zip(names, row, strict=False)) for row in value[headed:]], units)
@@ -161,14 +161,14 @@ def _texts(value: Any) -> dict[str, str]:
 
 def _lists_in(value: Record, depth: int = 0) -> Iterator[tuple[str, Any]]:
     """Yield (name, array) of the lists in an object, those of objects inside as "hip.angle"."""
-    for name, one in value.items():
-        if isinstance(one, dict) and len(one) >= SHORTEST and all(key.isdecimal() for key in one):
-            one = list(one.values())  # {"0": 0.6, "1": 0.7, ...}, as pandas writes a column
-        if isinstance(one, dict) and depth < DEEPEST:
-            yield from ((f"{name}.{key}", cells) for key, cells in _lists_in(one, depth + 1))
-        elif isinstance(one, list) and len(one) >= 2 and not any(isinstance(cell, dict) for cell in one):
+    for name, item in value.items():
+        if isinstance(item, dict) and len(item) >= SHORTEST and all(key.isdecimal() for key in item):
+            item = list(item.values())  # {"0": 0.6, "1": 0.7, ...}, as pandas writes a column
+        if isinstance(item, dict) and depth < DEEPEST:
+            yield from ((f"{name}.{key}", cells) for key, cells in _lists_in(item, depth + 1))
+        elif isinstance(item, list) and len(item) >= 2 and not any(isinstance(cell, dict) for cell in item):
             try:
-                cells = np.array(one)
+                cells = np.array(item)
             except ValueError:  # lists of unlike lengths
                 continue
             if cells.dtype.kind in "iufbOU":
@@ -177,13 +177,13 @@ def _lists_in(value: Record, depth: int = 0) -> Iterator[tuple[str, Any]]:
 
 def _flat(record: Record, depth: int = 0) -> Iterator[tuple[str, Any]]:
     """Yield the cells of a record: {"q": [1, 2]} as q1 and q2, {"hip": {"angle": 1}} as hip.angle."""
-    for name, one in record.items():
-        if isinstance(one, dict) and depth < DEEPEST:
-            yield from ((f"{name}.{key}", cell) for key, cell in _flat(one, depth + 1))
-        elif isinstance(one, list) and len(one) <= WIDEST:
-            yield from ((f"{name}{k}", cell) for k, cell in enumerate(one, start=1) if not isinstance(cell, list))
-        elif not isinstance(one, (dict, list)):
-            yield name, float(one) if isinstance(one, bool) else one
+    for name, item in record.items():
+        if isinstance(item, dict) and depth < DEEPEST:
+            yield from ((f"{name}.{key}", cell) for key, cell in _flat(item, depth + 1))
+        elif isinstance(item, list) and len(item) <= WIDEST:
+            yield from ((f"{name}{k}", cell) for k, cell in enumerate(item, start=1) if not isinstance(cell, list))
+        elif not isinstance(item, (dict, list)):
+            yield name, float(item) if isinstance(item, bool) else item
 
 
 def _of_records(

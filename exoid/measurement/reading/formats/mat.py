@@ -72,7 +72,7 @@ def read(path: Path) -> RawTable:
 
 
 def _is_safe_with_objects(path: Path) -> bool:
-    """Whether a file of version 7.3 holds objects; RecordingError where they take too much or lie in other files."""
+    """True if a file of version 7.3 holds objects; RecordingError where they take too much or lie in other files."""
     instead = ", or save it in MATLAB with -v7"
     with needing("hdf5", "MATLAB files of version 7.3", "h5py", where=path, instead=instead, error=RecordingError):
         import h5py
@@ -91,7 +91,7 @@ def _is_safe_with_objects(path: Path) -> bool:
                 hdf5.refuse_elsewhere(item, path)
                 budget.take(hdf5.size_of(item), f"dataset {key[:40]}")
                 if "MATLAB_empty" in item.attrs and item.size <= 32:  # the numbers are the shape of what is empty
-                    budget.take(8 * math.prod(abs(int(one)) for one in np.ravel(item[()])), f"dataset {key[:40]}")
+                    budget.take(8 * math.prod(abs(int(entry)) for entry in np.ravel(item[()])), f"dataset {key[:40]}")
 
     try:
         with h5py.File(path, "r", locking=False) as file:
@@ -132,7 +132,7 @@ def _with_objects(path: Path) -> RawTable | None:
 
 
 def _announces_more_rows_than_it_holds(value: Any, depth: int = 0) -> bool:
-    """Return whether a timetable below `value`, unconverted, has fewer rows than stamps would be made for."""
+    """True if a timetable below `value`, unconverted, has fewer rows than stamps would be made for."""
     if depth > 20:
         return False
     if hasattr(value, "properties"):

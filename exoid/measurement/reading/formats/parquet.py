@@ -44,7 +44,7 @@ def read(path: Path) -> RawTable:
 
 
 def is_large(path: Path, most: int) -> bool:
-    """Whether the numbers of the table take more than a third of `most` bytes; False where it cannot be told."""
+    """True if the numbers of the table take more than a third of `most` bytes; False where it cannot be told."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -62,7 +62,7 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
 
     causes = (pyarrow.ArrowException, OSError, KeyError, TypeError)
     with damaged("Parquet file", path, causes), pyarrow.parquet.ParquetFile(path) as file:
-        fields = [one for one in file.schema_arrow if pyarrow.types.is_primitive(one.type) or _is_list(one.type)]
+        fields = [item for item in file.schema_arrow if pyarrow.types.is_primitive(item.type) or _is_list(item.type)]
         groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
         if max((group.total_byte_size for group in groups), default=0) > MOST_GROUP or len(fields) > 1000:
             what = "a row group of the file is too large"
@@ -73,7 +73,7 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
         for some in _together([group.num_rows for group in groups], rows):
             total = sum(groups[k].num_rows for k in some)
             each = max(1, -(-total // max(1, total // rows)))
-            for batch in file.iter_batches(each, row_groups=some, columns=[one.name for one in fields]):
+            for batch in file.iter_batches(each, row_groups=some, columns=[field.name for field in fields]):
                 table = pyarrow.Table.from_batches([batch])
                 columns = _columns(table)
                 row = np.arange(done + 1, done + table.num_rows + 1)
@@ -103,7 +103,7 @@ def _is_plain(kind: Any) -> bool:
 
 
 def _is_list(kind: Any) -> bool:
-    """Whether cells of this type are lists of numbers."""
+    """True if cells of this type are lists of numbers."""
     import pyarrow
 
     types = pyarrow.types
@@ -171,7 +171,7 @@ def _affordable(file: Any, where: str) -> list[str]:
 
 
 def _is_index_of_time(field: Any) -> bool:
-    """Whether this is the unnamed index of a pandas table with one time stamp per row."""
+    """True if this is the unnamed index of a pandas table with one time stamp per row."""
     return str(field.name).startswith("__index_level_") and str(field.type).startswith(("timestamp", "duration"))
 
 

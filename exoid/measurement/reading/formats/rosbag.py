@@ -205,7 +205,7 @@ def _table(topics: dict[str, Topic], skipped: set[str], where: str) -> RawTable:
 
     def angles(topic: Topic) -> tuple[int, int]:
         found = [recognise(name) for name in topic.columns]
-        kinds = [quantity_of(one.name) for one in found if one]
+        kinds = [quantity_of(item.name) for item in found if item]
         return sum(kind == "q" for kind in kinds), len(kinds)
 
     main = max(topics, key=lambda name: (angles(topics[name]), len(topics[name].arrived)))

@@ -205,7 +205,7 @@ function toggle(name) {
 function timePanels(joint, j) {
   const words = `${joint.name} over time. Arrows move the cursor, with Shift they select; plus and minus zoom, 0 shows everything, Escape clears the selection.`;
   const torque = h("canvas", { class: "plot", role: "img", "data-testid": `plot-torque-${joint.name}`, "aria-label": `Measured and modelled torque of the ${words}` });
-  const error = h("canvas", { class: "plot short", role: "img", "data-testid": `plot-error-${joint.name}`, "aria-label": `Difference of measured and modelled torque of the ${words}` });
+  const error = h("canvas", { class: "plot short error", role: "img", "data-testid": `plot-error-${joint.name}`, "aria-label": `Difference of measured and modelled torque of the ${words}` });
   plots.push(new TimePlot(torque, () => torqueContent(joint, j), { axis: false }), new TimePlot(error, () => errorContent(joint, j), { axis: j === view.state.joints.length - 1 }));
   return h("div", { class: `joint-block joint-${j}` }, torque, error);
 }
@@ -238,7 +238,7 @@ function torqueContent(joint, j) {
 function errorContent(joint, j) {
   if (!data) return null;
   const { motion, error, recording } = data;
-  const series = [{ values: masked(error.arrays.error[j], motion, j), colour: "joint", name: "now" }];
+  const series = [{ values: masked(error.arrays.error[j], motion, j), colour: "model", name: "model" }];
   const { preview } = view;
   if (!preview && layers.after && found()) series[other.words === "after" ? "push" : "unshift"](drawn(masked(other.arrays.error[j], motion, j)));
   if (preview && preview.head.recording === recording) {
@@ -259,7 +259,7 @@ function colours() {
   return h("label", { for: "colouring" }, "coloured by ", choose, h("span", { id: "legend", class: "faint" }));
 }
 
-const FORWARDS = 2; // not the colours of the first joints
+const FORWARDS = 4; // not the colours of model, after and joints
 const CLOUD_COLOURS = ["cloud-0", "cloud-1", "cloud-2", "cloud-3", "cloud-4", "cloud-5"];
 
 function legend() {

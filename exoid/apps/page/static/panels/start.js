@@ -1,6 +1,6 @@
 // The first screen: drop files or a saved session, pick them, or begin with the demo.
 
-import { tell, upload, uploadSession } from "../api.js";
+import { ask, tell, upload, uploadSession } from "../api.js";
 import { button, fill, h } from "../dom.js";
 import { view } from "../store.js";
 import { doing, say } from "./status.js";
@@ -93,10 +93,22 @@ export function drawStart() {
     ),
     h("p", { class: "or" }, "or ", button("Begin with the demo", () => doing(tell("demo")), { "data-testid": "demo" }),
       " four recordings of a leg with something hidden in it"),
+    h("div", { id: "recent" }),
     h("form", { class: "or", onsubmit: reopen, "aria-label": "a saved session" },
       "or go on with a saved session: drop its folder, ", button("choose it …", pickFolder, { "data-testid": "pick-session" }), h("label", { for: "session-folder" }, "or name it ", folder),
       h("button", { type: "submit", "data-testid": "open-session" }, "Open")),
   );
+  doing(drawRecent());
+}
+
+// Sessions that were opened or saved last on this machine.
+async function drawRecent() {
+  const { folders } = await ask("/api/recent");
+  const place = document.getElementById("recent");
+  if (!place || !folders.length) return;
+  const open = (folder) => button([h("strong", {}, folder.split(/[\\/]/).at(-1)), " ", h("span", { class: "faint" }, folder)], () => doing(tell("reopen", { folder })), { class: "recent" });
+  fill(place, h("h2", {}, "Recent sessions"), h("ul", { class: "recent-list", "data-testid": "recent" }, folders.map((folder) => h("li", {}, open(folder)))),
+    button("Forget them", () => doing(tell("forget").then(() => place.replaceChildren())), { "data-testid": "forget" }));
 }
 
 export function catchDrops() {

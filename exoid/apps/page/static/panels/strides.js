@@ -56,9 +56,9 @@ function paint(j, context, width, height) {
   band(context, x, ...both[0], upper, surface.colour("measured"));
   line(context, x, both[0][0], upper, surface.colour("measured"));
   line(context, x, strides.model[j], upper, surface.colour("model"));
-  band(context, x, ...both[1], lower, surface.colour(`j${j % 6}`));
+  band(context, x, ...both[1], lower, surface.colour("model"));
   line(context, [0, 100], [0, 0], lower, surface.colour("faint"), 1);
-  line(context, x, both[1][0], lower, surface.colour(`j${j % 6}`));
+  line(context, x, both[1][0], lower, surface.colour("model"));
   if (strides.stance !== null) {
     context.setLineDash([4, 4]);
     for (const { px, from, to } of [{ ...upper, from: TOP, to: middle }, { ...lower, from: middle + BETWEEN, to: height - BOTTOM }]) {

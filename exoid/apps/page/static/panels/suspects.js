@@ -3,10 +3,12 @@
 import { ask, numbers, tell } from "../api.js";
 import { button, h, refill } from "../dom.js";
 import { number, percent, rms } from "../format.js";
+import { remembered } from "../layout.js";
 import { look, view } from "../store.js";
 import { doing } from "./status.js";
 
 const WEAK = 0.015; // drawn smaller below this share of the error
+const FOLDED = 0.01; // behind a fold below it
 
 let asked = null;
 let shown = null;
@@ -27,15 +29,28 @@ export function draw() {
   refill(place, head,
     h("p", { class: "faint small", title: "what each would take away of the squared error of its own joints, on one fitted recording after the other, each left out of the fit in turn; of what was found, on the motion that the steps show", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
       chosen ? "Share of the selected error; " : "Share of the error on unseen motion; ", progress),
-    h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
+    lists(suspects, chosen),
     h("div", { class: "about", id: "about" },
-      h("div", { class: "split", "data-pane": "detail", role: "separator", "aria-orientation": "horizontal", "aria-label": "height of what is said of a suspect", tabindex: "0", id: "detail-edge" }),
+      h("div", { class: "split", "data-pane": "detail", role: "separator", "aria-orientation": "horizontal", "aria-label": "height of what is said of a suspect", "aria-valuenow": remembered("detail") ?? 0, tabindex: "0", id: "detail-edge" }),
       detailPanel()),
   );
 }
 
+const shareOf = (suspect, chosen) => (chosen ? chosen[suspect.name] : suspect.share);
+
+// What explains a percent or more, and the rest behind a fold, which opens where one of it is pointed at.
+function lists(suspects, chosen) {
+  const rows = (some) => h("ul", { class: "suspects" }, some.map((suspect) => row(suspect, chosen)));
+  const folded = suspects.filter((one) => !(shareOf(one, chosen) >= FOLDED));
+  if (!folded.length || folded.length === suspects.length) return rows(suspects);
+  const fold = document.getElementById("fold");
+  if (fold && folded.some((one) => one.name === view.pointed)) fold.open = true;
+  return [rows(suspects.filter((one) => !folded.includes(one))),
+    h("details", { class: "fold", id: "fold" }, h("summary", {}, `${folded.length} more below ${percent(FOLDED)}`), rows(folded))];
+}
+
 function row(suspect, chosen) {
-  const share = chosen ? chosen[suspect.name] : suspect.share;
+  const share = shareOf(suspect, chosen);
   const bar = h("span", { class: "share-bar" });
   bar.style.setProperty("--share", `${Math.round(100 * Math.max(0, Math.min(1, share || 0)))}%`);
   const on = () => point(suspect.name);

@@ -69,12 +69,16 @@ function automatic(on) {
   doing(tell("auto", { on }));
 }
 
+// Share of the torque that the model explains: 1 − RMS of the error / RMS of the torque.
+const fit = (error, signal) => `${(100 * (1 - error / signal)).toFixed(1).replace("-", "−")} %`;
+
 function tile(joint, j) {
   const { judged, fitted } = view.state;
-  return h("div", { class: `tile joint-${j}`, title: `RMS error on ${judged} motion${fitted ? "" : ", foreseen"}, of a torque of ${rms(joint.signal)} ${joint.unit}` },
+  return h("div", { class: `tile joint-${j}`, title: `RMS error on ${judged} motion${fitted ? "" : ", foreseen"}, of a torque of ${rms(joint.signal)} ${joint.unit}; fit: 1 − error / torque` },
     h("span", { class: "tile-head" }, joint.name),
     h("span", { class: "tile-number", "data-testid": `error-${joint.name}` }, `${rms(joint.error)} ${joint.unit}`),
     joint.after !== null && joint.after !== undefined && h("span", { class: "tile-number after", "data-testid": `after-${joint.name}` }, `→ ${rms(joint.after)}`),
+    joint.signal > 0 && h("span", { class: "faint", "data-testid": `fit-${joint.name}` }, `fit ${fit(joint.error, joint.signal)}${joint.after ? ` → ${fit(joint.after, joint.signal)}` : ""},`),
     h("span", { class: "faint" }, `${judged}, noise `, h("span", { "data-testid": `noise-${joint.name}` }, `${rms(joint.noise)} ${joint.unit}`)),
   );
 }
@@ -107,7 +111,7 @@ function stepButton(step, place, most, at) {
   const open = step.coming ? null : () => doing(tell("go", { at: place }));
   return h("button", {
     type: "button", class: `step-button${place === at && !step.coming ? " now" : ""}${place > at ? " later" : ""}`,
-    "aria-label": label, title: label, "aria-current": place === at && !step.coming ? "step" : null,
+    title: label, "aria-current": place === at && !step.coming ? "step" : null,
     disabled: Boolean(step.coming), onclick: open || (() => {}), "data-testid": `step-${place}`,
   }, bars(step, most), h("span", { class: "step-text" }, h("span", { class: "step-label" }, called(step.label)), h("span", { class: "hidden" }, step.label), h("span", { class: "step-numbers" }, step.rms ? step.rms.map(rms).join(" / ") : "…")));
 }

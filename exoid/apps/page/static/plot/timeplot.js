@@ -57,6 +57,7 @@ export class TimePlot {
     }
     context.restore();
     this.values(context, content, frame);
+    if (view.cursor !== null && this.canvas.matches(":hover")) this.tooltip(context, content, frame, px);
     this.surface.focus(frame);
     return true;
   }
@@ -89,6 +90,26 @@ export class TimePlot {
       context.fillText(text, right, frame.top - 4);
       right -= context.measureText(text).width + 12;
     }
+  }
+
+  // Beside the cursor, in the plot under the pointer: time and values.
+  tooltip(context, content, frame, px) {
+    const k = this.sample(content);
+    const named = content.series.filter((one) => one.name !== undefined);
+    const rows = [{ text: `${(k * content.dt).toFixed(2)} s`, colour: "ink" },
+      ...named.map(({ values, colour, name }) => ({ text: `${name} ${number(values[k])} ${content.unit}`.trim(), colour }))];
+    const width = Math.max(...rows.map(({ text }) => context.measureText(text).width)) + 12, height = 15 * rows.length + 6;
+    const at = px(view.cursor), x = at + 10 + width > frame.right ? at - 10 - width : at + 10;
+    context.fillStyle = this.surface.colour("paper");
+    context.strokeStyle = this.surface.colour("line");
+    context.fillRect(x, frame.top, width, height);
+    context.strokeRect(x, frame.top, width, height);
+    context.textAlign = "left";
+    context.textBaseline = "top";
+    rows.forEach(({ text, colour }, row) => {
+      context.fillStyle = this.surface.colour(colour);
+      context.fillText(text, x + 6, frame.top + 5 + 15 * row);
+    });
   }
 
   brush(context, content, frame, px) {
