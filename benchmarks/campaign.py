@@ -19,13 +19,13 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from exoid.apps.campaign.engines.cell import in_cell  # noqa: E402 - the repository must be on the path first
+from exoid.apps.campaign.engines.dask import dask  # noqa: E402
+from exoid.apps.campaign.engines.local import local  # noqa: E402
+from exoid.apps.campaign.engines.slurm import slurm  # noqa: E402
 from exoid.apps.campaign.plan import read_plan  # noqa: E402
 from exoid.apps.campaign.run import run_campaign  # noqa: E402
-from exoid.ground.engines.cell import in_cell  # noqa: E402 - the repository must be on the path first
-from exoid.ground.engines.dask import dask  # noqa: E402
 from exoid.ground.engines.engine import Engine, completed  # noqa: E402
-from exoid.ground.engines.local import local  # noqa: E402
-from exoid.ground.engines.slurm import slurm  # noqa: E402
 
 
 def overhead(engine: Engine, jobs: int) -> float:

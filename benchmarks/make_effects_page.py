@@ -15,10 +15,10 @@ sys.path.insert(0, str(ROOT))
 
 from exoid.symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
 from exoid.symbolic.effect_catalogue import catalogue  # noqa: E402 - the repository must be on the path first
+from exoid.symbolic.formula import formula  # noqa: E402
 from exoid.symbolic.identifiability import never_separable  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
 from exoid.workbench.commands.effects import joints  # noqa: E402
-from exoid.workbench.formula import formula  # noqa: E402
 
 PAGE = ROOT / "docs" / "effects.md"
 HEAD = """\

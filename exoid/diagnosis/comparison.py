@@ -21,7 +21,8 @@ from exoid.diagnosis.evidence.remainder import Remainder, remainders
 from exoid.diagnosis.evidence.strides import Strides, strides_of
 from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.plots import against
-from exoid.diagnosis.reported import Reported
+from exoid.diagnosis.report.material import NOTHING_HELD_OUT, Material, pictures_of
+from exoid.diagnosis.report.reported import Reported
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.torques import torques_over_time
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
@@ -39,6 +40,7 @@ from exoid.optimisation.preparation.noise import mean_square
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
+from exoid.symbolic.wording import per_joint
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,7 +51,7 @@ MOST_FIGURES = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison(Reported, AsJson):
+class Comparison(Reported):
     """A fitted model compared with recordings; all RMS (J,) in N·m after the common filter.
 
     `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
@@ -136,6 +138,18 @@ class Comparison(Reported, AsJson):
             picture = against(one.joint, words, at.x, at.y, at.block, groups, unit)
             out.append((f"{one.joint}: error against {words[0]}", one.sentence, picture))
         return out
+
+    def material(self) -> Material:
+        """Return what the report draws on, the recordings apart."""
+        kind, rms, held_out = "motion the fit has not seen", self.verify_rms, ""
+        if rms is None:
+            kind, rms, held_out = "the fitted motion", self.rms, f" {NOTHING_HELD_OUT}"
+        error = per_joint(rms, self.joints, self.unit)
+        return Material(
+            title="Model against measurement", model=self.fit.model, fit=self.fit, comparison=self,
+            answer=f"The model's torque misses the measured one by {error} (RMS) on {kind}.{held_out}",
+            pictures=pictures_of(self, section="where"),
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         shown = self.rms if self.verify_rms is None else self.verify_rms

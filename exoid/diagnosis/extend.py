@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
-from exoid.diagnosis.reported import Reported
+from exoid.diagnosis.report.material import Material, pictures_of
+from exoid.diagnosis.report.reported import Reported
 from exoid.diagnosis.results import Step, steps_figure, steps_table
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
@@ -18,7 +19,7 @@ from exoid.ground.errors import ExoidError
 from exoid.ground.files import MODEL_FILES
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, picture
-from exoid.ground.plain import AsJson, by_name
+from exoid.ground.plain import by_name
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, machine_of, model_of, question_of
 from exoid.measurement.signals.methods import BUTTERWORTH
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Waterfall(Reported, AsJson):
+class Waterfall(Reported):
     """The error from model to model: `steps` with RMS (J,) in N·m, down to the `noise_floor` (J,)."""
 
     steps: tuple[Step, ...]
@@ -73,6 +74,13 @@ class Waterfall(Reported, AsJson):
         """Return (title, alternative text, figure)."""
         return [("The error falling", falling_text(self.steps, self.joints, self.unit), self.plot())]
 
+    def material(self) -> Material:
+        """Return what the report draws on, the recordings apart."""
+        return Material(
+            title="The error from model to model", answer=self.stopped_because, model=self.fit.model, fit=self.fit,
+            fall=self, pictures=pictures_of(self),
+        )  # fmt: skip
+
     def __repr__(self) -> str:
         return falling_text(self.steps, self.joints, self.unit)
 
@@ -85,7 +93,7 @@ class Waterfall(Reported, AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Addition(Reported, AsJson):
+class Addition(Reported):
     """One effect added: the extended `model`, the fits `before` and `after`, and whether unseen motion gained."""
 
     model: Model
@@ -108,6 +116,13 @@ class Addition(Reported, AsJson):
     def plot(self) -> Figure:
         """Draw the falling error."""
         return self.waterfall.plot()
+
+    def material(self) -> Material:
+        """Return what the report draws on, the recordings apart."""
+        return Material(
+            title=f"Adding {self.model.terms[-1].name}", answer=self.sentence, model=self.model, fit=self.after,
+            fall=self.waterfall, pictures=pictures_of(self),
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         return f"{self.sentence}\n{self.waterfall!r}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from exoid.diagnosis.comparison import Comparison, compare_prepared
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
@@ -18,7 +19,8 @@ from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.plots import falling_error, suspects
-from exoid.diagnosis.reported import Reported
+from exoid.diagnosis.report.material import Material, before_and_after, pictures_of
+from exoid.diagnosis.report.reported import Reported
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
 from exoid.diagnosis.torques import torques_over_time
@@ -206,7 +208,7 @@ class Step(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis(Reported, AsJson):
+class Diagnosis(Reported):
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
     `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
@@ -363,6 +365,18 @@ class Diagnosis(Reported, AsJson):
         if self.unexplained is not None:
             out.append(("What nobody explains", self.unexplained.sentence, self.unexplained.plot()))
         return out
+
+    def material(self, first: Comparison | None = None) -> Material:
+        """Return what the report draws on, the recordings apart; `first` is the Comparison of the model asked about."""
+        if first is None and self.given is not None:
+            first = compare_prepared(self.given.fit, self.given.prepared)
+        changed = first is not None and len(self.steps) > 1
+        falls = before_and_after(first, self.fit) if changed else ()
+        return Material(
+            title="What the model was missing", model=self.model, fit=self.fit, comparison=first, diagnosis=self,
+            fall=self, pictures=falls + pictures_of(self, section="suspects") + pictures_of(first, section="where"),
+            settings={"filter": self.cutoff} if self.cutoff else {}, seconds=self.seconds,
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         lines = [f"{self.verdict}: {self.headline}", f"  {self.further}", f"  why: {self.rule}"]

@@ -35,11 +35,11 @@ def with_apps(package: ModuleType) -> dict[str, str]:
     none is imported.
     """
     kind = package.__name__.rpartition(".")[2]
-    places = {package.__name__: Path(str(package.__file__)).parent}
-    places |= {f"{APPS}.{app}.{kind}": Path(__file__).parents[1] / "apps" / app / kind for app in apps()}
+    places = {f"{APPS}.{app}.{kind}": [str(Path(__file__).parents[1] / "apps" / app / kind)] for app in apps()}
+    places |= {package.__name__: [*package.__path__]}
     found = {
         module.name: f"{place}.{module.name}"
-        for place, folder in places.items()
-        for module in pkgutil.iter_modules([str(folder)])
+        for place, folders in places.items()
+        for module in pkgutil.iter_modules(folders)
     }
     return dict(sorted(found.items()))

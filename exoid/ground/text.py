@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 _ACTING = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
 """Categories of characters that act instead of being seen: controls, direction marks, halves, line separators."""
+
+
+EMPTY = (None, "", "–")
+"""Cells that have nothing to say."""
 
 
 def printable(text: str) -> str:
@@ -36,3 +40,9 @@ def filled(text: str, values: Mapping[str, Any]) -> str:
     for key, value in values.items():
         text = text.replace(f"@{key}@", str(value))
     return text
+
+
+def without_empty(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> tuple[list[str], list[list[Any]]]:
+    """Return a table without the columns in which no row says anything; a table without rows keeps them all."""
+    kept = [i for i in range(len(head)) if not rows or any(row[i] not in EMPTY for row in rows)]
+    return [head[i] for i in kept], [[row[i] for i in kept] for row in rows]

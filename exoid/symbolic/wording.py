@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 
 from exoid.ground.errors import EffectError
 from exoid.symbolic.effect import Coefficient, Effect, Shape
@@ -64,3 +64,8 @@ def number_said(effect: Effect, key: str, value: float, unit: str, half: float |
 
 def _entry(effect: Effect, key: str) -> Coefficient | Shape | None:
     return effect.coefficients.get(key) or effect.shape.get(key)
+
+
+def per_joint(values: Iterable[float], joints: Sequence[str], unit: str = "N·m") -> str:
+    """Return "hip 0.71, knee 0.53 N·m"."""
+    return ", ".join(f"{joint} {value:.3g}" for joint, value in zip(joints, values, strict=True)) + f" {unit}"

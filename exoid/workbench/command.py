@@ -187,19 +187,6 @@ def _terminate(number: int, _: object) -> None:
     raise Terminated(number)
 
 
-def versions() -> Mapping[str, str]:
-    """Return the versions a result depends on, for the report: exoid, Python and the numerical libraries."""
-    from importlib import metadata
-
-    found = {"exoid": __version__, "python": sys.version.split()[0]}
-    for name in ("numpy", "scipy", "sympy", "casadi"):
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    return found
-
-
 def _complain(text: str, status: int = BAD_INPUT) -> int:
     """Write `text` to stderr after the name of the program and return `status`."""
     _tell(text)

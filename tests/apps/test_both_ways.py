@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import exoid
+from exoid.apps.campaign.engines.local import local
 from exoid.apps.campaign.plan import read_plan
 from exoid.apps.campaign.run import run_campaign
 from exoid.apps.watch.settings import Settings
 from exoid.diagnosis.question import own_effects
-from exoid.ground.engines.local import local
 from exoid.symbolic.codegen.code import generate
 from exoid.workbench.command import main
 from exoid.workbench.exporting import exporter

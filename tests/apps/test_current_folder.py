@@ -22,8 +22,8 @@ PLANTED = 'open(__file__ + ".ran", "w").close()\nraise SystemExit("planted code 
 ENGINES = {
     "alone": "from exoid.ground.engines.processes import alone; engine = alone()",
     "processes": "from exoid.ground.engines.processes import processes; engine = processes(2)",
-    "dask": "from exoid.ground.engines.dask import dask; engine = dask('local', 1)",
-    "slurm": "from exoid.ground.engines.slurm import slurm; engine = slurm('local', Path(sys.argv[1]), 1)",
+    "dask": "from exoid.apps.campaign.engines.dask import dask; engine = dask('local', 1)",
+    "slurm": "from exoid.apps.campaign.engines.slurm import slurm; engine = slurm('local', Path(sys.argv[1]), 1)",
 }
 ASK = """
 import math, os, sys

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import exoid
+from exoid.apps.campaign.engines.dask import dask
+from exoid.apps.campaign.engines.slurm import slurm
 from exoid.apps.watch.io.mqtt import Broker
 from exoid.apps.watch.io.prometheus import Scraped
 from exoid.ground import cache, cores
-from exoid.ground.engines.dask import dask
 from exoid.ground.engines.processes import processes
-from exoid.ground.engines.slurm import slurm
 from exoid.ground.errors import ExoidError
 from exoid.optimisation.contest.rivals import entrants
 from exoid.optimisation.optimiser import Box

@@ -15,8 +15,9 @@ import pytest
 from exoid.ground.delivery import PREFIX, Delivery, together
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import open_input, read_input
+from exoid.ground.output import OutputError, check_target
 from exoid.workbench.command import find_verbs, main, verb_parser
-from exoid.workbench.command_line.files import OutputError, check_json, check_target
+from exoid.workbench.command_line.files import check_json
 from exoid.workbench.command_line.guard import OUTPUTS, protect_inputs
 from tests.waiting import HUNG, until
 

@@ -176,7 +176,7 @@ def test_a_worker_ends_with_the_process_it_works_for(tmp_path):
 
     code = (
         "import os, subprocess, sys, time\n"
-        'child = "import os, time; from exoid.ground.engines.cell import end_with; end_with(os.getppid()); '
+        'child = "import os, time; from exoid.ground.engines.processes import end_with; end_with(os.getppid()); '
         'print(os.getpid(), flush=True); time.sleep(3600)"\n'
         "subprocess.Popen([sys.executable, '-c', child])\n"
         "time.sleep(3600)\n"

@@ -13,14 +13,6 @@ PACKAGE = ROOT / "exoid"
 LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "apps", "exoid")
 """Lowest first; a package may import itself and what stands before it."""
 
-METHODS_FROM_ABOVE = {
-    "diagnosis/reported.py": ("exoid.workbench.report.result",),
-}
-"""Modules whose functions a class below them has as methods; such a method imports them when it is called, and that is
-the only import that may point up or close a circle. `report` is what people call on a result, and results know nothing
-of pages.
-"""
-
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
 
@@ -63,10 +55,6 @@ def imported(node: ast.AST) -> list[str]:
     if isinstance(node, ast.ImportFrom) and node.level == 0:
         return [node.module or ""]
     return []
-
-
-def from_above(path: Path) -> tuple[str, ...]:
-    return METHODS_FROM_ABOVE.get(name_of(path), ())
 
 
 def faults(paths: Iterable[Path], find: Callable[[Path], Iterable[Any]]) -> dict[str, list[Any]]:

@@ -1,6 +1,4 @@
-"""No module needs itself: no circle of imports, those inside functions and those for type checkers included,
-but for methods that a class has from a module above it.
-"""
+"""No module needs itself: no circle of imports, those inside functions and those for type checkers included."""
 
 from __future__ import annotations
 
@@ -12,7 +10,6 @@ import pytest
 from tests.architecture.source import (
     SOURCES,
     faults,
-    from_above,
     imported,
     layer_named,
     layer_of,
@@ -61,7 +58,7 @@ def needs(path, known):
 
 def test_no_module_needs_itself():
     known = modules()
-    graph = {name: needs(path, known) - {name, *from_above(path)} for name, path in known.items()}
+    graph = {name: needs(path, known) - {name} for name, path in known.items()}
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as circle:
@@ -74,7 +71,7 @@ def test_imports_inside_functions_are_for_start_up_time():
         inside = {(n.lineno, m) for f in functions for n in ast.walk(f) for m in imported(n)}
         lazy = layer_of(path) in EDGES or name_of(path) in DOORS
         fine = {m for _, m in inside if (layer_named(m) and lazy) or m.split(".")[0] in SLOW_TO_IMPORT}
-        return sorted((n, m) for n, m in inside if m not in fine and m not in from_above(path))
+        return sorted((n, m) for n, m in inside if m not in fine)
 
     assert faults(SOURCES, needless) == {}
 

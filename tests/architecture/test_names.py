@@ -10,7 +10,8 @@ from tests.architecture.source import PACKAGE, SOURCES, faults, tree_of
 PLUG_INS = {
     "apps/*/commands": {"add_arguments", "run"},
     "workbench/commands": {"add_arguments", "run"},
-    "workbench/report/sections": {"context"},
+    "diagnosis/report/sections": {"context"},
+    "apps/*/sections": {"context"},
     "workbench/export": {"write"},
     "measurement/auditing/checks": {"check"},
     "measurement/reading/formats": {"read", "is_large", "pieces"},

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from exoid.ground.delivery import together
-from exoid.ground.errors import ExoidError
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.inside import is_inside, refuse_links
@@ -109,23 +108,3 @@ def test_a_lock_is_one_process_at_a_time_and_its_file_the_folders_own(plant, tmp
     plant(tmp_path / ".lock")
     with pytest.raises(OSError, match=r"link|ordinary"):
         FolderLock(tmp_path)
-
-
-def test_submitit_finds_no_answer_that_lay_there_before(tmp_path, monkeypatch):
-    submitit = pytest.importorskip("submitit")
-    from exoid.ground.engines.slurm import slurm
-
-    asked, executor = [], submitit.AutoExecutor
-
-    def made(folder, cluster):
-        asked.append(Path(folder))
-        return executor(folder, cluster=cluster)
-
-    monkeypatch.setattr(submitit, "AutoExecutor", made)
-    for _ in range(2):
-        slurm("local", tmp_path / "slurm", 1).close(True)
-    first, second = asked
-    assert first.parent != second.parent and first.parent.parent == tmp_path / "slurm"
-    (tmp_path / "linked").symlink_to(tmp_path)
-    with pytest.raises(ExoidError, match="link"):
-        slurm("local", tmp_path / "linked", 1)

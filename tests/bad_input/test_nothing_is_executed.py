@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exoid.ground.errors import ModelFileError
+from exoid.ground.output import json_text, write_text
 from exoid.ground.text import in_comment, printable
 from exoid.measurement.bench.leg import standard_leg
 from exoid.symbolic.codegen.code import generate
 from exoid.symbolic.model import Model, read_model
 from exoid.symbolic.model_file import Numbers, write_model
 from exoid.workbench.command import main
-from exoid.workbench.command_line.files import json_text, write_text
 from exoid.workbench.export import c, casadi, numpy, urdf
 from exoid.workbench.identified import ExportError, Options, ready
 from exoid.workbench.reserved import is_taken

@@ -65,18 +65,30 @@ def test_zeros_set_anew_are_told_and_the_rest_is_adequate(held):
     assert one["sentence"] in found.sentence and one["joint"] == "axis" and one["unit"] == "N·m"
 
 
-def rubbing(k, speed):
+def slowly(speed):
+    return 0.25 / (1.0 + speed / 0.12)
+
+
+def rubbing(k, speed, more=slowly):
     """Return a recording back and forth at one speed, of friction that is larger at creeping speed."""
     t = np.arange(0.0, 24.0, 0.01)
     dq = speed * np.clip(8.0 * np.sin(2.0 * np.pi * t / 12.0), -1.0, 1.0)
     ddq = np.gradient(dq, t)
-    tau = (0.5 + 0.25 / (1.0 + np.abs(dq) / 0.12)) * np.sign(dq) + 0.1 * dq + 0.05 * ddq
+    tau = (0.5 + more(np.abs(dq))) * np.sign(dq) + 0.1 * dq + 0.05 * ddq
     rng = np.random.default_rng(k)
     q = 0.01 * np.cumsum(dq)[:, None] + 1e-5 * rng.standard_normal((len(t), 1))
     return Recording(f"v_{speed}", t, q, tau[:, None] + 0.01 * rng.standard_normal((len(t), 1)), joints=AXIS.joints)
 
 
 SPEEDS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("held", [0, 1, 3, 5])
+def test_friction_at_creeping_speed_is_named_whichever_speed_is_held_out(held):
+    runs = [rubbing(k, speed, lambda v: 0.25 * np.exp(-v / 0.12)) for k, speed in enumerate(SPEEDS)]
+    found = discover(replace(AXIS, gravity=0.0), [*runs[:held], *runs[held + 1 :]], runs[held])
+    assert [one.name for one in found.accepted] == ["stribeck:axis"]
 
 
 @pytest.mark.slow
@@ -122,6 +134,31 @@ def test_another_gain_and_another_level_of_friction():
     assert gained.verdict == "adequate" and told(gained) == {"torque_gain": pytest.approx({"run_3": 1.2}, abs=0.02)}
     stiff = discover(AXIS, [*usual, drive(4, NUMBERS * [1.0, 1.0, 1.5, 1.5])], drive(3))
     assert stiff.verdict == "adequate" and told(stiff) == {"friction_level": pytest.approx({"run_4": 1.5}, abs=0.04)}
+
+
+@pytest.mark.parametrize(("gained", "gain"), [((0, 1, 2), 0.85), ((0, 2), 1.25), ((1, 2, 3), 1.25)])
+def test_a_gain_that_most_recordings_have_is_told_of_them_though_it_spoils_the_numbers_of_the_machine(gained, gain):
+    """Both joints' torques share numbers: which of the recordings have it is known."""
+    runs = [run.recording for run in simulate_runs(5, None, standard_leg(), seed=5)]
+    for k in gained:
+        runs[k] = replace(runs[k], tau=runs[k].tau * [gain, 1.0])
+    found = discover(Model.standard(), runs[:4], runs[4])
+    own = {runs[k].name: gain for k in gained}
+    assert found.verdict == "adequate" and told(found) == {"torque_gain": pytest.approx(own, abs=0.02)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", [0.6, 1.8])
+def test_intervals_of_a_level_of_friction_hold_it(level):
+    """What is known of the others' friction belongs to the interval of a ratio to it."""
+    inside = 0
+    for seed in range(20):
+        runs = [drive(k + 10 * seed, NUMBERS * ([1.0, 1.0, level, level] if k == 2 else 1.0)) for k in range(3)]
+        prepared = prepare(AXIS, runs[:2], runs[2:])
+        (one,) = belonging_to(fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)).told
+        (value,) = one.values.values()
+        inside += value.low <= (level if len(one.values) == 1 else 1.0 / level) <= value.high
+    assert inside >= 17
 
 
 def test_a_single_recording_has_no_others_and_of_many_one_does_not_matter():

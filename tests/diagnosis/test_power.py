@@ -7,12 +7,12 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.power import Power, power_said
+from exoid.diagnosis.report.sections import power as power_section
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.leg import random_leg
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
-from exoid.workbench.report.sections import power as power_section
 
 SEED = 3
 

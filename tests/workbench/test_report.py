@@ -11,6 +11,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 import threading
 from dataclasses import replace
 from datetime import date
@@ -21,12 +22,14 @@ import pytest
 from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, FakeModel, figure, material, recording
 
 from exoid.diagnosis.extend import Waterfall
+from exoid.diagnosis.report import sections
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.page import figure_file_name, find_sections, render_report, write_report
 from exoid.diagnosis.results import Step
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from exoid.measurement.finding import Finding
-from exoid.workbench.report.material import Material, command_of
-from exoid.workbench.report.page import figure_file_name, find_sections, render_report, write_report
+from exoid.workbench.command_line.deliver import command_of
 from tests.waiting import HUNG
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -242,3 +245,16 @@ def test_on_a_phone_wide_tables_are_cards_and_a_figure_zooms_beyond_the_screen(v
     assert "cells=grid" in visit[0]
     large = re.search(r"large=(\d+)", visit[0])
     assert large and int(large[1]) > 500
+
+
+def test_two_new_files_are_a_new_section(tmp_path, monkeypatch):
+    (tmp_path / "sections").mkdir()
+    (tmp_path / "sections/greeting.py").write_text(
+        'TITLE = "Greeting"\nORDER = 0\n\n\ndef context(material):\n    return {"words": material.title}\n'
+    )
+    (tmp_path / "sections/greeting.html").write_text("<p>hello {{ words }}</p>\n")
+    monkeypatch.setattr(sections, "__path__", [*sections.__path__, str(tmp_path / "sections")])
+    try:
+        assert "<p>hello t &amp; u</p>" in render_report(Material(title="t & u"))
+    finally:
+        sys.modules.pop("exoid.diagnosis.report.sections.greeting", None)

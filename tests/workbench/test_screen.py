@@ -10,8 +10,8 @@ import time
 import numpy as np
 import pytest
 
+from exoid.ground.output import OutputError, check_folder, json_text, make_folder, write_text
 from exoid.ground.plain import plain
-from exoid.workbench.command_line.files import OutputError, check_folder, json_text, make_folder, write_text
 from exoid.workbench.terminal import progress as waiting
 from exoid.workbench.terminal.screen import Screen, bar
 from tests.waiting import HUNG

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from workbench_fakes import FakeComparison, FakeDiagnosis, FakeFit, FakeModel
 
-from exoid.diagnosis.extend import Waterfall
+from exoid.diagnosis.extend import Addition, Waterfall
+from exoid.symbolic.formula import pretty
 from exoid.workbench import commands
 from exoid.workbench.command import main
-from exoid.workbench.formula import pretty
 from exoid.workbench.terminal.screen import Screen
 from exoid.workbench.terminal.showing import show_limit, truth_sentence
 
@@ -41,6 +41,11 @@ def stand_in(monkeypatch):
     return put
 
 
+class FakeAddition(Addition):
+    def to_json(self):
+        return {"helped": self.helped}
+
+
 @pytest.fixture
 def addition(stand_in, monkeypatch, tmp_path):
     """`exoid.diagnosis.extend.add` and a model writer, standing in."""
@@ -55,10 +60,10 @@ def addition(stand_in, monkeypatch, tmp_path):
 
     def put(helped):
         steps = FakeDiagnosis().steps[:2]
-        found = SimpleNamespace(
-            model=FakeModel(), before=FakeFit(estimates=()), after=FakeFit(), helped=helped,
-            waterfall=Waterfall(steps, np.array([0.5, 0.5]), "it was asked for one."),
-            sentence="The unseen error of the knee falls from 0.98 to 0.58 N·m.", to_json=lambda: {"helped": helped},
+        fall = Waterfall(steps, np.array([0.5, 0.5]), "it was asked for one.")
+        found = FakeAddition(
+            FakeModel(), FakeFit(estimates=()), FakeFit(), fall,
+            "The unseen error of the knee falls from 0.98 to 0.58 N·m.", helped, "numpy",
         )  # fmt: skip
         stand_in("extend", "add", found)
         return written

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.comparison import Comparison
 from exoid.diagnosis.evidence.power import Power
-from exoid.diagnosis.results import Step
+from exoid.diagnosis.results import Diagnosis, Step
 from exoid.ground.figures import JOINT_COLOURS, figure_style, label, new_figure
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording, Source
@@ -107,6 +108,8 @@ class FakeComparison:
         SimpleNamespace(joint="hip", variable="q1", share=0.07, caution="only in run_0", sentence=HOSTILE),
     )  # fmt: skip
 
+    material = Comparison.material
+
     @property
     def verify_rms(self) -> Any:
         return np.array([0.74, 0.58]) if self.unseen else None
@@ -157,6 +160,8 @@ class FakeDiagnosis:
     given: Any = field(default_factory=lambda: SimpleNamespace(fit=None, prepared=None))
     power: tuple[Power, ...] = (Power("stribeck", "hip", "c", 17.6, 5.0, "N·m"),)
 
+    material = Diagnosis.material
+
     def figures(self) -> list[tuple[str, str, Any]]:
         return [("Suspects", "Share explained by each suspect, with its placebos.", figure())]
 
@@ -192,7 +197,7 @@ class FakeDiagnosis:
 
 
 def material() -> Any:
-    from exoid.workbench.report.material import Material, pictures_of
+    from exoid.diagnosis.report.material import Material, pictures_of
 
     found, comparison = FakeDiagnosis(), FakeComparison()
     return Material(

@@ -35,8 +35,8 @@ def render_campaign(
     """Return the page as HTML text; text from files is data in it, never markup."""
     from markupsafe import Markup
 
-    from exoid.workbench.report.page import FOLDER as REPORT
-    from exoid.workbench.report.page import environment
+    from exoid.diagnosis.report.page import FOLDER as REPORT
+    from exoid.diagnosis.report.page import environment
 
     # Embedded as JSON in which nothing can end the script element; the page sets it as text.
     content = json.dumps(data(plan, rows, events, running=running), ensure_ascii=False).replace("<", "\\u003c")

@@ -30,7 +30,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from exoid.apps.campaign.verb import VERBS, askable
+from exoid.apps.campaign.verb import askable, verb_of
 from exoid.ground.errors import ModelFileError
 from exoid.ground.plain import AsJson
 from exoid.ground.suggest import did_you_mean
@@ -138,7 +138,7 @@ def _recorded_jobs(
     if not found:
         place = os.path.realpath(base)
         raise top.error("files", "no recording matches this pattern", f"it is looked for below {place}")
-    alone = VERBS[verb].alone
+    alone = verb_of(verb).alone
     group = names if alone else names[:-1]
     if "group" in top.values:
         group = tuple(_texts(top, "group", top.values["group"]))
@@ -243,7 +243,7 @@ def _options(top: Table, verb: str) -> tuple[str, ...]:
                 raise table.error(key, f"{key} is neither text nor number", "write it as on the command line")
             words.append(f"{name}={one}")
     try:
-        verb_parser(verb).parse([*words, *VERBS[verb].words(None, ["recording.csv"])])
+        verb_parser(verb).parse([*words, *verb_of(verb).words(None, ["recording.csv"])])
     except ExoidError as error:
         raise PlanError(error.what, where=table.place(), remedy=error.remedy) from error
     return tuple(words)

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exoid.apps.campaign.copies import describe_copies
+from exoid.apps.campaign.engines.cell import in_cell
 from exoid.apps.campaign.plan import Job, Plan
 from exoid.apps.campaign.store import FINAL, AwayError, CampaignError, JobStore, job_file_name, task_of
 from exoid.apps.campaign.work import FUNCTION
-from exoid.ground.engines.cell import in_cell
 from exoid.ground.engines.engine import Engine, EngineError, completed, engine_of
 from exoid.ground.errors import refused
 from exoid.ground.files import write_whole
@@ -107,7 +107,7 @@ def run_campaign(
     """
     from exoid.apps.campaign.page import write_page
     from exoid.apps.campaign.table import write_tables
-    from exoid.workbench.command import versions
+    from exoid.ground.version import versions
 
     began, report = time.perf_counter(), progress or silent
     folder, engine = Path(folder), engine_of(engine)

@@ -12,8 +12,8 @@ from typing import Any
 from exoid.apps.campaign.copies import same_recordings
 from exoid.apps.campaign.plan import Plan
 from exoid.apps.campaign.store import job_file_name
+from exoid.diagnosis.report.sections.verdict import term
 from exoid.ground.files import write_whole
-from exoid.workbench.report.sections.verdict import term
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """What a spreadsheet takes for a formula at the start of a cell: a name from a file is not one."""

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
+from importlib import import_module
 from typing import Any
 
-from exoid.apps.campaign.watch_row import row_of_lines
+from exoid.apps.campaign import verbs
+from exoid.ground.folder import with_apps
 from exoid.workbench.command import find_verbs
 
 
 def model_as_option(model: str | None, recordings: Sequence[str]) -> list[str]:
     """Recordings, and the model as most commands take it."""
     return [*recordings, *(["--model", model] if model is not None else [])]
-
-
-def model_first(model: str | None, recordings: Sequence[str]) -> list[str]:
-    """The model, then the recordings, as `exoid watch` takes them."""
-    return ["standard" if model is None else model, *recordings]
 
 
 @dataclass(frozen=True)
@@ -34,15 +30,12 @@ class CampaignVerb:
     alone: bool = False
 
 
-VERBS: Mapping[str, CampaignVerb] = MappingProxyType(
-    {
-        **dict.fromkeys(("compare", "diagnose", "discover", "identify", "rivals"), CampaignVerb()),
-        "watch": CampaignVerb(model_first, row_of_lines, alone=True),
-    }
-)
-"""Commands that a campaign can ask, where they are there."""
+def verb_of(name: str) -> CampaignVerb:
+    """What stands behind the options of a command that a campaign can ask."""
+    found: CampaignVerb = import_module(with_apps(verbs)[name]).VERB
+    return found
 
 
 def askable() -> list[str]:
     """Names of the commands that a campaign can ask here, sorted."""
-    return sorted({*VERBS} & {*find_verbs()})
+    return sorted({*with_apps(verbs)} & {*find_verbs()})

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from exoid.apps.campaign.store import CHANGED, AwayError
-from exoid.apps.campaign.verb import VERBS
+from exoid.apps.campaign.verb import verb_of
 from exoid.ground.errors import refused
 from exoid.ground.files import sha256_file
 from exoid.measurement.reading.sources import noting
@@ -32,7 +32,7 @@ def work(task: Mapping[str, Any]) -> dict[str, Any]:
     `task` has the fields of a Job; its recordings as {"path", "data"} where `data` (base64) is None for a file that
     the worker sees; the text of its model file; `report` (whether one is wanted) and the sender's `versions`.
     """
-    from exoid.workbench.command import versions
+    from exoid.ground.version import versions
 
     here = dict(versions())
     if here != task["versions"]:
@@ -80,7 +80,7 @@ def _answered(
     if status != 2:
         _check(expected, expected, noted)
     else:
-        paths = [] if VERBS[task["verb"]].alone else [path for role in ROLES for path in given[role]]
+        paths = [] if verb_of(task["verb"]).alone else [path for role in ROLES for path in given[role]]
         unreadable = _unreadable(task, paths, expected)
         bad = {one["path"] for one in unreadable}
         left = {role: [path for path in paths if path not in bad] for role, paths in given.items()}
@@ -124,7 +124,7 @@ def _command(
     answer, out, model = folder / "answer.json", folder / "out", folder / "model.toml"
     if task["model"] is not None:
         model.write_text(task["model"], encoding="utf-8")
-    asked = VERBS[task["verb"]]
+    asked = verb_of(task["verb"])
     words = [task["verb"], *task["options"], *asked.words(None if task["model"] is None else str(model), recordings)]
     words += ["--json", str(answer), "--quiet", "--seed", str(task["seed"])]
     if verify:

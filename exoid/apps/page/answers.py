@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from exoid.workbench.report.sections.verdict import term
+from exoid.diagnosis.report.sections.verdict import term
 
 if TYPE_CHECKING:
     from exoid.apps.page.workspace import Names, Workspace

@@ -21,13 +21,13 @@ from exoid.apps.page.given import FIT, shown_name
 from exoid.apps.page.guard import Guard
 from exoid.apps.page.message import LONGEST, RELOAD, obey, read_message
 from exoid.apps.page.reply import number_in
+from exoid.diagnosis.report import page as report
 from exoid.ground.errors import ExoidError, RecordingError, error_json, internal
 from exoid.ground.files import MODEL_FILES
 from exoid.ground.folder import with_apps
 from exoid.measurement.reading.limits import MOST_BYTES
 from exoid.measurement.reading.mapping import FILE as MAPPING
 from exoid.measurement.reading.sources import kind_of_file
-from exoid.workbench.report import page as report
 
 if TYPE_CHECKING:
     from starlette.requests import Request

@@ -55,9 +55,9 @@ def report(workspace: Workspace) -> str:
     where nothing is open.
     """
     from exoid.diagnosis.extend import Waterfall
-    from exoid.workbench.report.material import Material, before_and_after, pictures_of, without_folders
-    from exoid.workbench.report.page import render_report
-    from exoid.workbench.report.sections.verdict import WORDS
+    from exoid.diagnosis.report.material import Material, before_and_after, pictures_of, without_folders
+    from exoid.diagnosis.report.page import render_report
+    from exoid.diagnosis.report.sections.verdict import WORDS
 
     session, folder = workspace.opened(), workspace.keeping.folder
     names = workspace.names

@@ -12,6 +12,7 @@ from exoid.apps.page.given import VERIFY
 from exoid.diagnosis.evidence.fitted import pooled_rms
 from exoid.diagnosis.evidence.score import share_of_own_joints
 from exoid.diagnosis.outside import ForceUse, force_uses
+from exoid.diagnosis.report.sections.verdict import term
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.diagnosis.write_up import best_first
 from exoid.ground.errors import error_json
@@ -26,7 +27,6 @@ from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from exoid.symbolic.mechanics.spatial import rotation
 from exoid.symbolic.wording import called, number_said, title_of
 from exoid.workbench.exporting import formats
-from exoid.workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
     from exoid.apps.page.workspace import Workspace

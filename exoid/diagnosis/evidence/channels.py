@@ -113,7 +113,7 @@ def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> 
         _unexplained_torque(base, last, rules)
         or _impossible_base(base, last, rules)
         or _without_mass(last, rules)
-        or _another_machine(base if last.model.shapes else last, rules)
+        or _another_machine(base, last, rules)
     )
 
 
@@ -129,7 +129,7 @@ def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding
                 OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), "all recordings", remedy=ADVICE
             ),
         )
-    doubt = wrong or doubts_before(fitted, rules) or _another_machine(fitted, rules)
+    doubt = wrong or doubts_before(fitted, rules) or _another_machine(fitted, fitted, rules)
     share = left_share(fitted)
     if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
         parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, fitted.model.joint_names))
@@ -341,13 +341,15 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
     )
 
 
-def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether held-out recordings are well explained by numbers of their own, and badly by those fitted.
+def _another_machine(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether held-out recordings are badly explained by the model that was found, and well by numbers of their
+    own.
 
-    At least one number must differ by more than both intervals allow.
+    At least one number must differ by more than both intervals allow. Effects that explain most of what the given model
+    leaves of them are those of their machine, too.
     """
-    unseen = last.verify_rms
-    if unseen is None:
+    given, unseen = base.verify_rms, last.verify_rms
+    if given is None or unseen is None:
         return None
     used = [any(p.used[j].any() for p in last.prepared.verify) for j in range(len(unseen))]
     known = (last.train_rms > 0.0) & np.array(used)
@@ -356,8 +358,11 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     worse = unseen[known] / last.train_rms[known]
     if worse.max() < rules.near_noise or worse.min() < rules.artefact:
         return None
+    if np.all(unseen[known] ** 2 <= rules.little * given[known] ** 2):
+        return None
     swapped: Prepared = replace(last.prepared, train=last.prepared.verify, verify=())
-    alone = fitted_model(identify(last.model, swapped.train, optimisers=()), swapped)
+    plain = base.model if last.model.shapes else last.model
+    alone = fitted_model(identify(plain, swapped.train, optimisers=()), swapped)
     if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.little:
         return None
     moved = moved_numbers(last.fit, alone.fit)

@@ -1,1 +1,1 @@
-"""Where many jobs run: this machine, a Dask cluster, or Slurm; all as a `concurrent.futures.Executor`."""
+"""An executor of `concurrent.futures` as an engine, and processes of this machine."""

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import os
+import threading
+import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future
 from multiprocessing import resource_tracker as of_python
 from typing import Any
 
 from exoid.ground.cores import cores
-from exoid.ground.engines.cell import BESIDE_OTHERS, ONE_THREAD, end_with
 from exoid.ground.engines.engine import AHEAD, Engine, EngineError, Job, completed
 from exoid.ground.extras import needing
 from exoid.ground.import_path import SAFE, workers_import_alike
 
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+BESIDE_OTHERS = dict.fromkeys(ONE_THREAD, "1")
+"""The environment of a worker that shares its machine with others."""
 QUIET = "ignore:resource_tracker:UserWarning"
 """What the helpers, which clear away after a Ctrl-C, need not tell: that there was something to clear away."""
 IDLE = 10.0
@@ -57,6 +61,19 @@ def in_processes(
 def alone() -> Engine:
     """Return an engine of one process for one job, which `close(False)` ends at any moment."""
     return _loky("a process of its own", 1, dict.fromkeys(ONE_THREAD, "1"), ahead=1)
+
+
+def end_with(master: int) -> None:
+    """End this process as soon as `master`, which started it, is gone: killed, it cannot say so."""
+    if os.getppid() != master:
+        return  # started by a helper of joblib: it ends when it has been idle
+
+    def look() -> None:
+        while os.getppid() == master:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=look, daemon=True).start()
 
 
 def _loky(name: str, count: int, environment: dict[str, str], ahead: int = AHEAD) -> Engine:

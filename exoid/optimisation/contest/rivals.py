@@ -7,7 +7,7 @@
 
 Runs are spread over processes of this machine, or over any `concurrent.futures.Executor`:
 
-    rivals(engine=dask("tcp://scheduler:8786"))        of `exoid.ground.engines`
+    rivals(engine=Client("tcp://scheduler:8786").get_executor())        of `distributed`
     rivals(engine=get_reusable_executor(8))            of loky
 """
 

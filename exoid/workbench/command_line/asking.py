@@ -7,10 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from exoid.diagnosis.report.material import Material
 from exoid.workbench.command_line.deliver import deliver_results
 from exoid.workbench.command_line.inputs import Inputs, check_new_model, load
-from exoid.workbench.report.material import Material
-from exoid.workbench.report.result import material_of_answer
 from exoid.workbench.terminal.progress import part, progress
 from exoid.workbench.terminal.screen import Screen
 from exoid.workbench.terminal.showing import show_diagnosis, show_steps
@@ -60,5 +59,5 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
 
 def material_of(title: str, given: Inputs, found: Any, comparison: Any, truth: str = "") -> Material:
     """Return what the report of a Diagnosis draws on."""
-    made = material_of_answer(title, found, comparison, truth)
-    return replace(made, recordings=given.recordings, verify=given.verify)
+    made: Material = found.material(comparison)
+    return replace(made, title=title, recordings=given.recordings, verify=given.verify, truth=truth)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from exoid.workbench.command_line.files import check_folder, check_json, make_folder, write_json
+from exoid.diagnosis.report.material import Material, without_folders
+from exoid.ground.output import check_folder, make_folder
+from exoid.workbench.command_line.files import check_json, write_json
 from exoid.workbench.terminal.screen import Screen
-
-if TYPE_CHECKING:
-    from exoid.workbench.report.material import Material
 
 
 def check_places(args: argparse.Namespace) -> None:
@@ -35,10 +35,24 @@ def deliver_results(
     if material is None:
         screen.say(f"wrote {folder}")
         return
-    from exoid.workbench.report.material import command_of, settings_of
-    from exoid.workbench.report.page import write_report
+    from exoid.diagnosis.report.page import write_report
 
     made = material()
     told = {**settings_of(args), **made.settings}
     page = write_report(replace(made, payload=payload, command=command_of(args), settings=told), folder)
     screen.say(f"report: {page}")
+
+
+def settings_of(args: argparse.Namespace) -> dict[str, str]:
+    """Return the settings of a command line as text, for the section that says how to repeat it."""
+    hidden = ("command_line", "quiet", "json", "out", "inputs", "recordings", "verify")
+    return {
+        name.replace("_", " "): str(value)
+        for name, value in sorted(vars(args).items())
+        if name not in hidden and value not in (None, [], "")
+    }
+
+
+def command_of(args: argparse.Namespace) -> str:
+    """Return the command line as it can be pasted into a shell, in the folder of the files."""
+    return shlex.join(without_folders(word) for word in getattr(args, "command_line", ["exoid"]))

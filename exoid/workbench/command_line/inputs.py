@@ -268,7 +268,7 @@ def check_new_model(target: str, source: str | None, named: bool = True) -> None
     """Refuse a model file that would overwrite the one it comes from or what is no model, or cannot be written; and
     where the user has not `named` the file, one that exoid did not write.
     """
-    from exoid.workbench.command_line.files import OutputError, check_result, check_target
+    from exoid.ground.output import OutputError, check_result, check_target
 
     if target == "-":
         raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Extend, refit, show; 1 when the effect does not help on unseen recordings."""
-    from exoid.workbench.command_line.files import make_folder
+    from exoid.ground.output import make_folder
     from exoid.workbench.command_line.inputs import beside, check_new_model, load, load_model, split_joint
 
     model = load_model(args.model)
@@ -69,7 +69,5 @@ def _show(screen: Screen, found: Any, target: str) -> None:
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
-    from exoid.workbench.report.result import material_of_addition
-
-    made = material_of_addition(found, args.effect)
-    return replace(made, recordings=given.recordings, verify=given.verify)
+    title = f"Adding {args.effect}"
+    return replace(found.material(), title=title, recordings=given.recordings, verify=given.verify)

@@ -39,7 +39,6 @@ def run(args: argparse.Namespace) -> int:
         from exoid.diagnosis.comparison import compare
 
         found = compare(given.model, given.recordings, verify=given.verify, **given.filter)
-    from exoid.workbench.report.result import material_of_comparison
     from exoid.workbench.terminal.showing import show_comparison, show_limit
 
     screen = Screen.of(args)
@@ -48,15 +47,15 @@ def run(args: argparse.Namespace) -> int:
     over = show_limit(screen, args.limit, rms, found.unit)
     payload = {"schema": "exoid.comparison/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: replace(
-        material_of_comparison(found), recordings=given.recordings, verify=given.verify, model=given.model,
+        found.material(), recordings=given.recordings, verify=given.verify, model=given.model,
     ))  # fmt: skip
     return 1 if over else 0
 
 
 def _against(args: argparse.Namespace) -> int:
     """Say what differs between two sets of recordings; that nothing does is an answer too."""
+    from exoid.diagnosis.report.material import Material, pictures_of
     from exoid.workbench.command_line.inputs import load
-    from exoid.workbench.report.material import Material, pictures_of
     from exoid.workbench.terminal.showing import show_differences
 
     exclusive(args, "against", "verify", "what is held out is chosen by exoid here")

@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the script to standard output (and to --out)."""
-    from exoid.workbench.command_line.files import make_folder, write_json, write_text
+    from exoid.ground.output import make_folder, write_text
+    from exoid.workbench.command_line.files import write_json
 
     text = script(args.shell)
     if args.json:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from exoid.workbench.command_line.files import check_folder, default_folder
+from exoid.ground.output import check_folder, default_folder
 from exoid.workbench.command_line.options import add_common
 from exoid.workbench.terminal.screen import Screen
 
@@ -40,12 +40,12 @@ def run(args: argparse.Namespace) -> int:
     screen.say("Four recordings of a leg with something hidden in it; the standard model knows nothing of it.")
 
     from exoid.diagnosis.discovery import discover
+    from exoid.diagnosis.report.material import Material, pictures_of
     from exoid.measurement.bench.seal import open_seal
     from exoid.workbench.command_line.asking import answer, material_of
     from exoid.workbench.command_line.deliver import deliver_results
     from exoid.workbench.command_line.inputs import Inputs, load_model, read
     from exoid.workbench.command_line.said import say_findings
-    from exoid.workbench.report.material import Material, pictures_of
     from exoid.workbench.terminal.showing import show_comparison, show_diagnosis, show_steps, truth_sentence
 
     recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]

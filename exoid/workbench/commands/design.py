@@ -6,8 +6,9 @@ import argparse
 from typing import Any
 
 from exoid.ground.files import MODEL_FILES
+from exoid.ground.output import make_folder, write_bytes, write_text
 from exoid.workbench.command_line.deliver import deliver_results
-from exoid.workbench.command_line.files import make_folder, write_bytes, write_json, write_text
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.options import (
     add_common,
     add_reading,
@@ -185,7 +186,7 @@ def _show(screen: Screen, found: Any) -> None:
 
 def _material(title: str, answer: str, found: Any, alt: str) -> Any:
     """Return what the report draws on."""
-    from exoid.workbench.report.material import Material, Picture
+    from exoid.diagnosis.report.material import Material, Picture
 
     pictures = () if found.trajectory is None else (Picture("The motion", alt, found.plot(), "motion"),)
     return Material(title=title, answer=answer, model=found.model, pictures=pictures, seconds=found.seconds)

@@ -6,10 +6,11 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from exoid.workbench.command_line.files import make_folder, write_json, write_text
+from exoid.ground.output import make_folder, write_text
+from exoid.symbolic.formula import formula
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.inputs import split_joint
 from exoid.workbench.command_line.options import add_common
-from exoid.workbench.formula import formula
 from exoid.workbench.terminal.progress import progress
 from exoid.workbench.terminal.screen import Screen, width
 

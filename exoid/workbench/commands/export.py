@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from exoid.workbench.command_line.files import default_folder, make_folder, write_bytes, write_json
+from exoid.ground.output import default_folder, make_folder, write_bytes
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.options import add_common
 from exoid.workbench.terminal.screen import Screen, warn
 

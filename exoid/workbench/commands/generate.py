@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from exoid.ground.ours import WRITTEN
-from exoid.workbench.command_line.files import default_folder, make_folder, write_bytes, write_json, write_text
+from exoid.ground.output import default_folder, make_folder, write_bytes, write_text
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.options import add_common, exclusive
 from exoid.workbench.command_line.parser import UsageError
 from exoid.workbench.terminal.progress import progress

@@ -55,9 +55,9 @@ def run(args: argparse.Namespace) -> int:
         check_new_model(args.write, args.model)
     given = load(args)
     fit, unseen, near, length = _identified(args, given)
+    from exoid.diagnosis.report.material import Material, picture_of_fit
     from exoid.optimisation.fitting.by_recording import by_recording
-    from exoid.workbench.report.material import Material, picture_of_fit
-    from exoid.workbench.terminal.screen import per_joint
+    from exoid.symbolic.wording import per_joint
     from exoid.workbench.terminal.showing import show_by_recording, show_fit, show_limit
 
     screen, joints, unit = Screen.of(args), given.model.joint_names, given.model.torque_unit

@@ -36,10 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Show the columns, ask for what is not said, check the answer and keep it."""
+    from exoid.ground.output import make_folder
     from exoid.measurement.reading.mapping import FILE, StatedMapping, entries, remember
     from exoid.measurement.reading.read import open_table
     from exoid.measurement.reading.sources import folder_of
-    from exoid.workbench.command_line.files import make_folder
     from exoid.workbench.command_line.inputs import load_model
 
     screen = Screen.of(args)

@@ -9,8 +9,9 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from exoid.ground.output import make_folder
 from exoid.symbolic.joints import HERE, Vector
-from exoid.workbench.command_line.files import make_folder, write_json
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.options import add_common, between
 from exoid.workbench.terminal.screen import Screen
 

@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
         deliver_results(args, screen, {"schema": "exoid.truth/1", **truth.to_json()})
         return 0
     from exoid.diagnosis.grading import score
-    from exoid.workbench.command_line.files import read_json
+    from exoid.ground.output import read_json
 
     scored = score(truth, read_json(args.diagnosis), args.diagnosis)
     screen.say(truth_sentence(truth))

@@ -7,7 +7,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from exoid.workbench.command_line.files import make_folder, write_json
+from exoid.ground.output import make_folder
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.options import add_common, between, exclusive, positive_number, whole_number
 from exoid.workbench.terminal.progress import progress
 from exoid.workbench.terminal.screen import Screen
@@ -146,7 +147,7 @@ def _draw(seed: int, model: Any) -> Any:
 
 
 def _refuse_overwriting(folder: Path, count: int) -> None:
-    from exoid.workbench.command_line.files import OutputError, check_target
+    from exoid.ground.output import OutputError, check_target
 
     names = [*(f"run_{k}.csv" for k in range(count)), "truth.seal"]
     there = [name for name in names if os.path.lexists(folder / name)]

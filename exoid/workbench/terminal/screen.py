@@ -7,16 +7,14 @@ import os
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from exoid.ground.text import printable
+from exoid.ground.text import printable, without_empty
 from exoid.workbench.terminal.encoding import ascii_text, spells
 
 BLOCKS = " ▏▎▍▌▋▊▉█"
-EMPTY = (None, "", "–")
-"""Cells that have nothing to say."""
 STYLES = {
     "good": "bold green",
     "bad": "bold red",
@@ -114,21 +112,10 @@ def warn(text: str) -> None:
     sys.stderr.write(f"exoid: {printable(text)}\n")
 
 
-def per_joint(values: Iterable[float], joints: Sequence[str], unit: str = "N·m") -> str:
-    """Return "hip 0.71, knee 0.53 N·m"."""
-    return ", ".join(f"{joint} {value:.3g}" for joint, value in zip(joints, values, strict=True)) + f" {unit}"
-
-
 def bar(share: float, width: int = 24) -> str:
     """Return a bar of `width` characters filled to `share` (0..1), in eighths of a character."""
     eighths = round(max(0.0, min(1.0, share)) * width * 8)
     return BLOCKS[8] * (eighths // 8) + (BLOCKS[eighths % 8] if eighths % 8 else "")
-
-
-def without_empty(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> tuple[list[str], list[list[Any]]]:
-    """Return a table without the columns in which no row says anything; a table without rows keeps them all."""
-    kept = [i for i in range(len(head)) if not rows or any(row[i] not in EMPTY for row in rows)]
-    return [head[i] for i in kept], [[row[i] for i in kept] for row in rows]
 
 
 def _is_number(cell: Any) -> bool:

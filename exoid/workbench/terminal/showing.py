@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from exoid.diagnosis.report.cells import error_sizes
+from exoid.diagnosis.report.material import NOTHING_HELD_OUT
+from exoid.diagnosis.report.sections.verdict import term
 from exoid.diagnosis.sureness import meanings_of
 from exoid.symbolic.wording import added_said
-from exoid.workbench.report.sections.verdict import term
-from exoid.workbench.report.sections.where import error_sizes
 from exoid.workbench.terminal.screen import Screen, bar
 
 SPIKES = "torque_outliers"
@@ -17,11 +18,6 @@ MOST_SUSPECTS = 8
 MOST_PLACES = 6
 VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "good", "check_channels": "bad"}
 MOST_BESIDE = 2
-NOTHING_HELD_OUT = (
-    "Nothing is held out: these errors are on the motion that was fitted, and say little about any other. "
-    "Name a recording that is not fitted with --verify."
-)
-"""What is said where no recording is verified."""
 
 
 def show_fit(screen: Screen, fit: Any) -> None:

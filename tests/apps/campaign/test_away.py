@@ -12,12 +12,12 @@ import pytest
 
 from exoid.apps.campaign import work as module
 from exoid.apps.campaign.copies import describe_copies, same_recordings
+from exoid.apps.campaign.engines.dask import dask
+from exoid.apps.campaign.engines.local import local
 from exoid.apps.campaign.plan import read_plan
 from exoid.apps.campaign.run import run_campaign
 from exoid.apps.campaign.store import AwayError, CampaignError, JobStore, task_of
-from exoid.ground.engines.dask import dask
 from exoid.ground.engines.engine import Engine, EngineError
-from exoid.ground.engines.local import local
 from exoid.workbench.command import main, versions
 
 DEMO = Path(__file__).parents[3] / "exoid" / "workbench" / "demo_data"
@@ -262,7 +262,7 @@ def test_workers_of_this_machine_check_what_they_read(fleet):
     path.write_text(path.read_text() + "\n")
     here = local(1)
     try:
-        from exoid.ground.engines.cell import in_cell
+        from exoid.apps.campaign.engines.cell import in_cell
 
         found = here.executor.submit(in_cell, module.FUNCTION, task, 120.0).result()
     finally:

@@ -16,14 +16,14 @@ from pathlib import Path
 import pytest
 from joblib.externals.loky import ProcessPoolExecutor
 
+from exoid.apps.campaign.engines.local import local
 from exoid.apps.campaign.page import render_campaign
 from exoid.apps.campaign.plan import Job, Plan, read_plan
 from exoid.apps.campaign.run import run_campaign
 from exoid.apps.campaign.store import CampaignError, JobStore
 from exoid.apps.campaign.table import flat, write_tables
-from exoid.apps.campaign.watch_row import row_of_events
+from exoid.apps.campaign.verbs.watch import row_of_events
 from exoid.ground.engines.engine import EngineError
-from exoid.ground.engines.local import local
 from exoid.workbench.command import main
 
 ROOT = Path(__file__).parents[3]
@@ -113,7 +113,7 @@ def test_what_is_no_executor_is_refused_in_words(plan_file, tmp_path):
 
 
 def test_an_answer_that_was_edited_or_cut_is_not_believed(finished, plan_file, tmp_path):
-    from exoid.workbench.command import versions
+    from exoid.ground.version import versions
 
     found, folder = finished
     shutil.copytree(folder, tmp_path / "out")
@@ -152,7 +152,7 @@ def test_a_worker_with_other_versions_is_refused_in_words(plan_file):
 def test_recordings_that_travel_as_bytes_give_the_same_answer(finished, plan_file):
     from exoid.apps.campaign.store import task_of
     from exoid.apps.campaign.work import work
-    from exoid.workbench.command import versions
+    from exoid.ground.version import versions
 
     found, _ = finished
     job = read_plan(plan_file).jobs[0]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import shutil
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
+from exoid.apps.campaign.engines.slurm import slurm
 from exoid.apps.campaign.plan import Job, Plan
 from exoid.apps.campaign.run import run_campaign
 from exoid.apps.campaign.store import CampaignError, JobStore
@@ -56,3 +58,21 @@ def test_an_answer_that_was_linked_from_another_campaign_is_not_taken(tmp_path):
     path.symlink_to(tmp_path / "theirs" / "jobs" / path.name)
     with pytest.raises(CampaignError, match="is a link"):
         store.read(JOB, "k")
+
+
+def test_submitit_finds_no_answer_that_lay_there_before(tmp_path, monkeypatch):
+    submitit = pytest.importorskip("submitit")
+    asked, executor = [], submitit.AutoExecutor
+
+    def made(folder, cluster):
+        asked.append(Path(folder))
+        return executor(folder, cluster=cluster)
+
+    monkeypatch.setattr(submitit, "AutoExecutor", made)
+    for _ in range(2):
+        slurm("local", tmp_path / "slurm", 1).close(True)
+    first, second = asked
+    assert first.parent != second.parent and first.parent.parent == tmp_path / "slurm"
+    (tmp_path / "linked").symlink_to(tmp_path)
+    with pytest.raises(ExoidError, match="link"):
+        slurm("local", tmp_path / "linked", 1)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
+from exoid.apps.campaign import verbs
 from exoid.apps.campaign.plan import PlanError, read_plan
 
 
@@ -102,3 +105,18 @@ def test_a_field_takes_any_name_as_text(tmp_path):
     odd.mkdir(parents=True)
     (odd / "run_1.csv").write_text("t\n")
     assert plan(tmp_path, FILES).jobs[0].fields["device"] == "a[1] (x) ;$ü"
+
+
+def test_a_new_file_is_a_new_command_to_ask(fleet, tmp_path, monkeypatch):
+    text = FILES + 'verb = "map"\n'
+    with pytest.raises(PlanError, match="'map' cannot be asked"):
+        plan(fleet, text)
+    (tmp_path / "verbs").mkdir()
+    (tmp_path / "verbs/map.py").write_text(
+        "from exoid.apps.campaign.verb import CampaignVerb\n\nVERB = CampaignVerb(alone=True)\n"
+    )
+    monkeypatch.setattr(verbs, "__path__", [*verbs.__path__, str(tmp_path / "verbs")])
+    try:
+        assert {job.verb for job in plan(fleet, text).jobs} == {"map"}
+    finally:
+        sys.modules.pop("exoid.apps.campaign.verbs.map", None)

@@ -51,10 +51,10 @@ def serve(tmp_path):
     """Return what starts `exoid open --no-browser` with further words; it is ended after the test."""
     started = []
 
-    def start(*words):
+    def start(*words, package=ROOT):
         process = subprocess.Popen(
             [sys.executable, "-m", "exoid", "open", "--no-browser", "--quiet", *map(str, words)],
-            cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, text=True,
+            cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(package)}, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
         server = Server(process, process.stdout.readline().strip(), tmp_path)
         started.append(server)

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from exoid.apps.watch.io.growing import Text, grown
 from exoid.apps.watch.live import Lines
 from exoid.ground.errors import RecordingError
-from exoid.measurement.reading.growing import Text, grown
 from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.sniff import LONGEST_LINE
 

@@ -10,6 +10,7 @@ import pytest
 from exoid.apps.watch.alarm import SPANS
 from exoid.apps.watch.course import onset
 from exoid.apps.watch.front import HALF, SPIKE, FrontEnd, Samples, despiked
+from exoid.apps.watch.io.growing import grown
 from exoid.apps.watch.recursive.encoder_noise import RING, EncoderNoise, following
 from exoid.apps.watch.recursive.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.apps.watch.settings import Settings
@@ -22,7 +23,6 @@ from exoid.diagnosis.against.result import Course
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.measurement.bench.hidden import true_model
 from exoid.measurement.bench.leg import standard_leg
-from exoid.measurement.reading.growing import grown
 from exoid.measurement.recording import Recording
 from exoid.measurement.trajectories.trajectory import random_trajectory
 from exoid.optimisation.fitting.identify import identify

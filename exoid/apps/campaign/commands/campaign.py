@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from exoid.workbench.command_line.files import check_folder, write_json
+from exoid.ground.output import check_folder
+from exoid.workbench.command_line.files import write_json
 from exoid.workbench.command_line.options import whole_number
 from exoid.workbench.terminal.progress import progress
 from exoid.workbench.terminal.screen import Screen, warn
@@ -73,14 +74,14 @@ def run(args: argparse.Namespace) -> int:
 
 def _engine(args: argparse.Namespace, plan: Plan) -> Engine:
     if args.dask:
-        from exoid.ground.engines.dask import dask
+        from exoid.apps.campaign.engines.dask import dask
 
         return dask(args.dask, args.jobs)
     if args.slurm:
-        from exoid.ground.engines.slurm import slurm
+        from exoid.apps.campaign.engines.slurm import slurm
 
         return slurm(args.slurm, Path(os.path.realpath(args.out)) / "slurm", args.jobs, plan.timeout)
-    from exoid.ground.engines.local import local
+    from exoid.apps.campaign.engines.local import local
 
     return local(args.jobs)
 

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from exoid.ground.output import make_folder
 from exoid.workbench.command_line.deliver import deliver_results
-from exoid.workbench.command_line.files import make_folder
 from exoid.workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
 from exoid.workbench.command_line.parser import UsageError
 from exoid.workbench.terminal.progress import progress
@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         found.write_logs(Path(args.out) / "ioh")
         screen.say(f"IOHprofiler logs: {Path(args.out) / 'ioh'}")
-    from exoid.workbench.report.material import Material, pictures_of
+    from exoid.diagnosis.report.material import Material, pictures_of
 
     payload = {"schema": "exoid.rivals/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: Material(

@@ -9,6 +9,7 @@ import { catchDrops, drawStart } from "./panels/start.js";
 import { doing, problem, say } from "./panels/status.js";
 import { point } from "./panels/suspects.js";
 import { drawWaiting } from "./panels/verdict.js";
+import { h } from "./dom.js";
 import { listenToKeys } from "./keys.js";
 import { layOut, linkToState, remembered } from "./layout.js";
 import { followSelection } from "./selection.js";
@@ -44,9 +45,8 @@ function drawAll() {
   drawRecordings();
   offerMapping(state.files);
   for (const id of ["fold-side", "show-keys"]) $(id).hidden = false;
-  for (const section of document.querySelectorAll("#work section:not(#recordings, #verdict, #strides)")) section.hidden = !state.ready;
+  for (const section of document.querySelectorAll("#work section:not(#recordings, #verdict)")) section.hidden = !state.ready;
   if (!state.ready) {
-    $("strides").hidden = true;
     drawWaiting();
     return;
   }
@@ -74,6 +74,10 @@ async function update() {
   refreshing = false;
 }
 
+// A panel that names a section has one of its own above it; where it has nothing to show it leaves it empty.
+for (const [id, panel] of Object.entries(panels)) {
+  if (panel.ABOVE) $(panel.ABOVE).before(h("section", { id, "data-testid": id, "aria-labelledby": `${id}-title`, hidden: true }));
+}
 on("state", draw);
 on("recording", () => doing(loadCompare()));
 for (const what of ["cursor", "range", "preview"]) on(what, () => redraw(false));

@@ -7,8 +7,8 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from exoid.apps.paper.item import FAILS, HOLDS, KINDS, SEEDS
+from exoid.ground.output import make_folder, write_bytes, write_text
 from exoid.workbench.command_line.deliver import deliver_results
-from exoid.workbench.command_line.files import make_folder, write_bytes, write_text
 from exoid.workbench.command_line.options import add_common, whole_number
 from exoid.workbench.command_line.parser import UsageError
 from exoid.workbench.terminal.progress import progress
@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         for name, content in pictures_in(found).items():
             write_bytes(folder / name, content)
         screen.say(f"page: {write_text(folder / PAGE, page_of(found))}")
-    from exoid.workbench.report.material import Material, Picture
+    from exoid.diagnosis.report.material import Material, Picture
 
     deliver_results(args, screen, {"schema": "exoid.paper/1", **found.to_json()}, lambda: Material(
         title="The paper, made again", answer=_sentence(found), seconds=found.seconds,

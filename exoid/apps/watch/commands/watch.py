@@ -118,7 +118,7 @@ def run(args: argparse.Namespace) -> int:
 def _kept(args: argparse.Namespace) -> Kept | None:
     """Return where what is learnt is kept; None where it is not."""
     from exoid.apps.watch.io.keeping import Kept
-    from exoid.workbench.command_line.files import check_target
+    from exoid.ground.output import check_target
 
     if args.state is None:
         return None

@@ -10,7 +10,7 @@ from exoid.ground.errors import refused
 from exoid.ground.files import write_whole
 from exoid.ground.inputs import read_input
 from exoid.ground.lock import FolderHeld, file_lock
-from exoid.workbench.command_line.files import OutputError
+from exoid.ground.output import OutputError
 
 if TYPE_CHECKING:
     from exoid.apps.watch.state import WatchState

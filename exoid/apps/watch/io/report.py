@@ -118,8 +118,8 @@ class Report:
 
     def write(self) -> None:
         """Write the events, and the numbers over time, into the folder of --out."""
+        from exoid.diagnosis.report.material import Material, pictures_of
         from exoid.workbench.command_line.deliver import deliver_results
-        from exoid.workbench.report.material import Material, pictures_of
 
         assert self.course is not None
         played = self.course.played()

@@ -30,9 +30,9 @@ def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[F
     """Yield samples (N, 1 + 2 J + C) as they come, now and then none, and what is to be told of lines; the watcher is
     told what stands behind their torques.
     """
+    from exoid.apps.watch.io.growing import check_text, grown, piped
     from exoid.apps.watch.live import Lines
     from exoid.apps.watch.outside import stream_of
-    from exoid.measurement.reading.growing import check_text, grown, piped
     from exoid.measurement.reading.mapping import StatedMapping
     from exoid.workbench.command_line.inputs import read
     from exoid.workbench.command_line.options import merged
@@ -74,7 +74,7 @@ def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[F
 
 def _may_grow(source: str) -> bool:
     """Whether the file is text by its name and was written to a moment ago."""
-    from exoid.measurement.reading.growing import RECENT
+    from exoid.apps.watch.io.growing import RECENT
 
     path = Path(source)
     texts = (".csv", ".tsv", ".txt", ".log", ".jsonl", ".json", ".ndjson")

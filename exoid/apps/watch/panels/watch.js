@@ -15,15 +15,11 @@ let shownFor = "";
 let chosen = "";
 let surface = null;
 
-function newSection() {
-  const section = h("section", { id: "watch", "aria-labelledby": "watch-title", "data-testid": "watch" });
-  document.getElementById("stance").before(section);
-  on("recording", () => view.state.ready && draw());
-  return section;
-}
+export const ABOVE = "stance";
+on("recording", () => view.state.ready && draw());
 
 export function draw() {
-  const place = document.getElementById("watch") || newSection(), { tasks: { watch }, recordings } = view.state;
+  const place = document.getElementById("watch"), { tasks: { watch }, recordings } = view.state;
   if (!place.firstChild) {
     place.append(h("div", { id: "watch-head" }), h("canvas", { class: "plot watch-plot", role: "img", "data-testid": "watch-plot", hidden: true }), h("div", { id: "watch-said", "aria-live": "polite" }));
     surface = new Surface(place.querySelector("canvas"), paint, () => surface.draw());

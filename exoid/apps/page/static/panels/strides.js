@@ -6,6 +6,7 @@ import { Surface, axes } from "../plot/canvas.js";
 import { view } from "../store.js";
 import { doing } from "./status.js";
 
+export const ABOVE = "against";
 const LEFT = 52, RIGHT = 10, TOP = 22, BOTTOM = 34, BETWEEN = 30, UPPER = 0.6;
 
 let strides = null; // what /api/strides answered last
@@ -24,8 +25,11 @@ export function draw() {
 
 function build() {
   const place = document.getElementById("strides");
-  place.hidden = !strides;
-  if (!strides) return;
+  if (!strides) {
+    surfaces = [];
+    place.replaceChildren();
+    return;
+  }
   const { joints } = view.state;
   if (surfaces.length !== joints.length) {
     surfaces = [];

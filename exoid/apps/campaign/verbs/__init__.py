@@ -1,0 +1,1 @@
+"""Commands that a campaign can ask about recordings, one file each, called as the command: its `VERB`."""

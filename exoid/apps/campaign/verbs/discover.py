@@ -1,0 +1,5 @@
+"""`exoid discover` in a campaign: the effects that are missing."""
+
+from exoid.apps.campaign.verb import CampaignVerb
+
+VERB = CampaignVerb()

@@ -1,0 +1,5 @@
+"""`exoid rivals` in a campaign: optimisers on one fit."""
+
+from exoid.apps.campaign.verb import CampaignVerb
+
+VERB = CampaignVerb()

@@ -1,0 +1,26 @@
+"""Tables of a report: cells whose text is not the number they are sorted by, and the size of the error."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+
+def share(value: float | None, form: str = ".0f") -> dict[str, Any] | None:
+    """Return a share as per cent in a `form`, sorted by its number; None where there is none."""
+    if value is None or not math.isfinite(value):
+        return None
+    return {"value": float(value), "text": f"{100 * float(value):{form}} %"}
+
+
+def error_sizes(found: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
+    """Return the head and the rows of a table with the size of the error of each joint beside that of its torque."""
+    columns = {
+        "torque": found.signal_rms,
+        "error, fitted": found.rms,
+        "error, unseen": (None,) * len(found.joints) if found.verify_rms is None else found.verify_rms,
+        "noise floor": found.noise_floor,
+    }
+    rows = zip(found.joints, *columns.values(), strict=True)
+    head = ["joint", *(f"{word} [{found.unit}]" for word in columns)]
+    return head, [(joint, *(None if x is None else float(x) for x in values)) for joint, *values in rows]

@@ -1,0 +1,122 @@
+"""Puts the sections together into one self-contained page: no request leaves it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from exoid.diagnosis.report import sections
+from exoid.diagnosis.report.material import Material, Picture, without_folders
+from exoid.ground.figures import png_of_uri, to_uris
+from exoid.ground.folder import with_apps
+from exoid.ground.output import make_folder, write_bytes, write_text
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+FOLDER = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class PageSection:
+    """A section as it stands in the page; one that is not `open` shows its title until it is clicked."""
+
+    id: str
+    title: str
+    html: str
+    open: bool
+    appendix: bool
+
+
+def find_sections() -> tuple[ModuleType, ...]:
+    """Return every module of `sections/`, and of those of apps, in the order in which they stand in the page."""
+    found = (import_module(name) for name in with_apps(sections).values())
+    return tuple(sorted(found, key=lambda section: (section.ORDER, section.__name__)))
+
+
+def render_report(material: Material) -> str:
+    """Return the page as HTML text."""
+    return _page(material, _drawn(material.pictures))
+
+
+def _page(material: Material, drawn: Mapping[Picture, tuple[str, str]]) -> str:
+    from markupsafe import Markup, escape
+
+    templates = environment()
+    templates.filters["uri"] = lambda picture: escape(drawn[picture][0])  # no text for people
+    blocks: list[PageSection] = []
+    for section in find_sections():
+        context = section.context(material)
+        if context is None:
+            continue
+        name = section.__name__.rsplit(".", 1)[1]
+        html = templates.get_template(f"sections/{name}.html").render(context)
+        # The answer and, without a diagnosis, what it rests on; one screen that is not lost among proofs and settings.
+        shown = len(blocks) < (1 if material.diagnosis is not None else 2)
+        appendix = getattr(section, "APPENDIX", False) and bool(blocks) and material.diagnosis is not None
+        blocks.append(PageSection(name, section.TITLE, Markup(html), shown, appendix))  # escaped by its own template
+    # The two files below are ours and contain no text from outside.
+    style = Markup((FOLDER / "page.css").read_text("utf-8"))
+    script = Markup((FOLDER / "page.js").read_text("utf-8"))
+    page = templates.get_template("page.html")
+    blocks.sort(key=lambda block: block.appendix)
+    return page.render(material=material, blocks=blocks, style=style, script=script)
+
+
+def write_report(material: Material, folder: str | Path) -> Path:
+    """Write `report.html`, and its figures as PNG beside it, into `folder`; return the path of the page."""
+    target = make_folder(folder)
+    drawn = _drawn(material.pictures)
+    page = write_text(target / "report.html", _page(material, drawn))
+    if drawn:
+        figures = make_folder(target / "figures")
+        for index, (picture, (_, png)) in enumerate(drawn.items(), start=1):
+            write_bytes(figures / f"{index:02d}-{figure_file_name(picture.title)}.png", png_of_uri(png))
+    return page
+
+
+def _drawn(pictures: Sequence[Picture]) -> dict[Picture, tuple[str, str]]:
+    """Every picture as two data URIs, as it stands in a page and as PNG."""
+    if not pictures:
+        return {}
+    return {picture: to_uris(picture.figure) for picture in pictures}
+
+
+def environment() -> Environment:
+    """Return the templates with autoescape, undefined names refused, the filters sections use, and no folder of whoever
+    made the page in any text.
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    beside = {Path(str(section.__file__)).parents[1]: None for section in find_sections()}  # a section's own template
+    templates = Environment(
+        loader=FileSystemLoader([FOLDER, *beside]), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True, finalize=_for_others,
+    )  # fmt: skip
+    templates.filters["number"] = number_in_page
+    return templates
+
+
+def number_in_page(value: Any, digits: int = 3) -> str:
+    """Return a number with `digits` significant digits, or a dash for None and what is not finite."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if isinstance(value, int):
+        return str(value)
+    text = f"{value:.0f}" if 10**digits <= abs(value) < 1e7 else f"{value:.{digits}g}"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def _for_others(value: Any) -> Any:
+    return without_folders(value) if type(value) is str else value  # what is markup came through here as text
+
+
+def figure_file_name(title: str) -> str:
+    """Return a title as a file name."""
+    kept = "".join(c if c.isascii() and c.isalnum() else "-" for c in title.lower())
+    return "-".join(part for part in kept.split("-") if part)[:60] or "figure"

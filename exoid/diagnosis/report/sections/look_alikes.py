@@ -1,0 +1,38 @@
+"""What cannot be distinguished from what: by these recordings, by any motion at all, and the experiment that would."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from exoid.diagnosis.report.effects import said_of
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.sections.verdict import term
+
+TITLE = "Look-alikes"
+ORDER = 45
+APPENDIX = True
+MOST = 5
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return one entry per accepted effect, and per leading suspect that has look-alikes; None where nothing leads."""
+    if material.diagnosis is None:
+        return None
+    found = material.diagnosis.to_json()
+    accepted = [_entry(one, material.model, added=True) for one in found.get("accepted", [])]
+    names = {one["name"] for one in accepted}
+    suspects = [_entry(one, material.model, added=False) for one in found["suspects"][:MOST] if one["look_alikes"]]
+    entries = accepted + [one for one in suspects if one["name"] not in names]
+    return {"entries": entries} if entries else None
+
+
+def _entry(one: Mapping[str, Any], model: Any, *, added: bool) -> Mapping[str, Any]:
+    name = term(one)
+    return {
+        "name": name,
+        "added": added,
+        "here": [(other, said_of(other, model)) for other in one["look_alikes"]],
+        "never": [(other, said_of(other, model)) for other in one.get("never_separable") or ()],
+        "experiment": said_of(name, model, "tells_apart"),
+    }

@@ -1,0 +1,69 @@
+"""The motion to record: how good it is, what it makes of the limits, what it will tell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from exoid.diagnosis.report.cells import share
+from exoid.diagnosis.report.material import Material
+
+TITLE = "The motion to record"
+ORDER = 12
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return the tables of a design or of a separating experiment; None for other results."""
+    found = material.payload
+    if not isinstance(found, Mapping):
+        return None
+    if found.get("schema") == "exoid.design/1":
+        return {"kind": "design", **_shown(material), **_limits(found), **_design(found)}
+    if found.get("schema") == "exoid.separation/1":
+        return {"kind": "separation", **_shown(material), **_limits(found), **_separation(found)}
+    return None
+
+
+def _shown(material: Material) -> Mapping[str, Any]:
+    return {"pictures": material.pictures_in("motion")}
+
+
+def _limits(found: Mapping[str, Any]) -> Mapping[str, Any]:
+    rows = [
+        (f"{one['joint']} {one['quantity']}", one["low"], one["high"], *one["limit"], one["unit"])
+        for one in found["limits"]
+    ]
+    return {"limit_head": ("", "lowest", "highest", "limit", "limit", "unit"), "limit_rows": rows}
+
+
+def _design(found: Mapping[str, Any]) -> Mapping[str, Any]:
+    rows = [
+        (name, p["value"], p["deviation"], p["unit"], share(p["relative"], ".2g"))
+        for name, p in found["precision"].items()
+    ]
+    return {
+        "head": ("number", "assumed", "standard deviation", "unit", "relative"),
+        "rows": rows,
+        "duration": found["duration"],
+        "assumed": [found["numbers"], f"noise: {found['noise']['source']}"],
+        "notes": found["cautions"],
+    }
+
+
+def _separation(found: Mapping[str, Any]) -> Mapping[str, Any]:
+    usual = [one["sigma"] for one in found["at_random"]]
+    present = [one["sigma"] for one in found["present"] or ()]
+    rows = [
+        (one["truth"], one["rival"], one["sigma"], usual[k], present[k] if present else None)
+        for k, one in enumerate(found["apart"])
+    ]
+    return {
+        "head": ("true", "fitted", "designed", "at random", "present recordings"),
+        "rows": rows,
+        "duration": found["duration"],
+        "notes": [way for one in found["never"] for way in one["ways"]],
+        "assumed": [
+            f"{one['name']} with {', '.join(f'{n} = {v:.3g}' for n, v in one['numbers'].items())} ({one['source']})"
+            for one in found["rivals"]
+        ],
+    }

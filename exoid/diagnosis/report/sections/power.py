@@ -1,0 +1,43 @@
+"""What would have shown: from which size on each effect of the catalogue would have been found, where nothing was."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from exoid.diagnosis.evidence.power import Power
+from exoid.diagnosis.report.effects import effect_of
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.sections.verdict import title
+from exoid.symbolic.wording import number_called
+
+TITLE = "What would have shown"
+ORDER = 42
+APPENDIX = True
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return one row per effect, those that these recordings say least about first; None where something was found."""
+    found = material.diagnosis
+    if found is None or not found.power:
+        return None
+    rows = [
+        (
+            title(one.name, material.model),
+            _number(one, material.model),
+            one.smallest if math.isfinite(one.smallest) else "not at any size",
+            one.usual,
+            "" if one.unit == "1" else one.unit,
+            "yes" if one.would_show else "no",
+            one.name,
+        )
+        for one in sorted(found.power, key=lambda one: (-one.smallest / one.usual, one.name))
+    ]
+    head = ("effect", "its size", "found from", "usual", "unit", "would have shown", "id")
+    return {"head": head, "rows": rows}
+
+
+def _number(one: Power, model: Any) -> str:
+    effect = effect_of(one.name, model)
+    return one.parameter if effect is None else number_called(effect, one.parameter)

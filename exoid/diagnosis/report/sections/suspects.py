@@ -1,0 +1,52 @@
+"""The suspects: what each would explain on unseen motion, how sure that is, and what looks like it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from exoid.diagnosis.report.cells import share
+from exoid.diagnosis.report.effects import said_of
+from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.sections.verdict import term, title
+from exoid.diagnosis.sureness import meanings_of
+from exoid.ground.text import without_empty
+
+TITLE = "Suspects"
+ORDER = 40
+MOST = 10
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return the ranking and what is left unexplained."""
+    if material.diagnosis is None:
+        return None
+    found = material.diagnosis.to_json()
+    rows = [
+        (
+            place,
+            title(term(one), material.model),
+            said_of(term(one), material.model) or "–",
+            share(one["explained_share"]),
+            one.get("sureness") or "–",
+            ", ".join(title(other, material.model) for other in one["look_alikes"]) or "–",
+            one.get("caution") or "–",
+            one["p_value"],
+            term(one),
+        )
+        for place, one in enumerate(found["suspects"][:MOST], start=1)
+    ]
+    words = {one.get("sureness", "") for one in found["suspects"][:MOST]}
+    names = (
+        "rank", "effect", "what it means", "explains", "how sure", "look-alikes in these data", "caution", "p-value",
+        "id",
+    )  # fmt: skip
+    head, shown = without_empty(names, rows)
+    return {
+        "head": head,
+        "rows": shown,
+        "meanings": meanings_of(words - {material.diagnosis.sureness}),  # that one stands at the top of the page
+        "pictures": material.pictures_in("suspects"),
+        "more": max(0, len(found["suspects"]) - MOST),
+        "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},
+    }
