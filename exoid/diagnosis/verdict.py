@@ -167,7 +167,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
         "The model explains these recordings; nothing is missing that can be distinguished from noise."
         + (f" They could not show much: {short}.{end.nearest}" if short else ""),
         end.stopped,
-        advice,
+        advice or ("record more motion of this kind: small effects show only in the mean of much" if short else ""),
     )
 
 

@@ -166,8 +166,8 @@ def test_counts_are_asked_together_with_the_columns_that_are_missing():
 
 
 def test_whole_degrees_are_called_degrees():
-    angles = {"q1": np.round(40 * np.sin(T)), "q2": np.round(50 * np.cos(T))}
-    table = {"t": T, **angles, "tau1": np.cos(T), "tau2": np.cos(T)}
+    table = {"t": T, "q1": np.round(40 * np.sin(T)), "q2": np.round(50 * np.cos(T))}
+    table |= {"tau1": np.cos(T), "tau2": np.cos(T)}
     with pytest.raises(RecordingError, match="degrees, or counts of an encoder, and not rad") as error:
         read_recording(table)
     assert error.value.remedy.startswith("--units q1=deg,q2=deg if it is so (angles: here degrees;")

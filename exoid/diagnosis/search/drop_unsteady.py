@@ -30,8 +30,8 @@ def drop_unsteady(context: SearchContext, state: State) -> State:
     found = {name: splits.term(last, name) for name in state.names}
     weak = [name for name, agreement in found.items() if not agreement.enough(context.rules)]
     if len(splits.held_out) <= context.rules.most_folds:
-        shaped = [name for name in weak if any(one.term == name and not one.shape.per_recording for one in last.model.shapes)]
-        found |= {name: splits.refitted(last, name) for name in shaped}
+        shaped = {one.term for one in last.model.shapes if not one.shape.per_recording}
+        found |= {name: splits.refitted(last, name) for name in weak if name in shaped}
         weak = [name for name in weak if not found[name].enough(context.rules)]
     if not weak:
         return state
