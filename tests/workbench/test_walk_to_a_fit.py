@@ -91,6 +91,39 @@ MADE = {
         "", ["--map", "--units"],
     ),
     "counts": ({"t": T, "q": COUNTS, "tau": HIP["tau"]}, SERVO, ["--units"]),
+    "a register of 8 bits": (
+        {"t": T, "pos": HIP["q"], "tau": np.round(4 * HIP["tau"]) % 256}, SERVO, ["--units"]
+    ),
+    "a register of 16 bits behind a factor": (
+        {"t": T, "q": HIP["q"], "tau [Nm]": 0.01 * (np.round(100 * HIP["tau"]) % 65536)}, SERVO, []
+    ),
+    "angles in a register": (
+        {"t": T, "q1": np.round(2000 * HIP["q"]) % 65536, "q2": np.round(2000 * KNEE["q"]) % 65536,
+         "tau1": HIP["tau"], "tau2": KNEE["tau"]},
+        "", ["--units"],
+    ),
+    "counts of a drive and its current": (
+        {"t": T, "Present_Position": COUNTS, "Present_Current": TORQUE}, SERVO, ["--units"]
+    ),
+    "whole degrees": (
+        {"t": T, "q1": np.round(np.degrees(HIP["q"])), "q2": np.round(np.degrees(KNEE["q"])), "tau1": HIP["tau"],
+         "tau2": KNEE["tau"]},
+        "", ["--units"],
+    ),
+    "grados": (
+        {"tiempo": T, "cadera [grados]": np.degrees(HIP["q"]), "rodilla [grados]": np.degrees(KNEE["q"]),
+         "cadera [Nm]": HIP["tau"], "rodilla [Nm]": KNEE["tau"]},
+        "", [],
+    ),
+    "a unit of another language": (
+        {"t": T, "q1 [stopnie]": np.degrees(HIP["q"]), "q2": KNEE["q"], "tau1": HIP["tau"], "tau2": KNEE["tau"]},
+        "", ["--units"],
+    ),
+    "joints of a robot": (
+        {"t": T, "panda_joint0_pos": HIP["q"], "panda_joint1_pos": KNEE["q"], "panda_joint0_effort": HIP["tau"],
+         "panda_joint1_effort": KNEE["tau"]},
+        '[[joints]]\nname = "j0"\nlength = 0.3\n[[joints]]\nname = "j1"\n', ["--map"],
+    ),
     "a register": ({"t": T, "pos": COUNTS, "load": TORQUE}, SERVO, ["--map", "--units"]),
     "row numbers": ({"t": np.arange(T.size), **LEG}, "", ["--rate"]),
     "milliseconds": ({"t": 1000 * T, **LEG}, "", []),
@@ -109,4 +142,80 @@ def test_files_as_people_make_them_lead_to_a_fit(name, tmp_path, capsys):
     (tmp_path / "m.toml").write_text(model, encoding="utf-8")
     words = ["--model", tmp_path / "m.toml"] if model else []
     typed, _ = walk(capsys, "compare", tmp_path / "run.csv", *words)
+    assert [word for word in typed if word.startswith("--")] == options
+
+
+def rows_of(head, keys, mark=","):
+    """Text with one value a row."""
+    there = {key: values for key, values in keys.items()}
+    lines = [f"{t:.4f}{mark}{key}{mark}{values[k]:.7g}" for k, t in enumerate(T) for key, values in there.items()]
+    return "\n".join([head, *lines, ""])
+
+
+def as_long_table(folder):
+    (folder / "m.toml").write_text(SERVO, encoding="utf-8")
+    (folder / "log.csv").write_text(rows_of("Zeit;Kanal;Wert", {"Winkel": HIP["q"], "Drehmoment": HIP["tau"]}, ";"))
+    return ["log.csv", "--model", "m.toml"], []
+
+
+def as_long_table_of_other_names(folder):
+    (folder / "log.csv").write_text(rows_of("t,topic,measurement", {f"/exo/{n}/state": v for n, v in LEG.items()}))
+    return ["log.csv"], []
+
+
+def as_lists(folder):
+    pa, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    cells = {"observation.state": ("q1", "q2"), "observation.effort": ("tau1", "tau2"), "action": ("q2", "q1")}
+    lists = {name: np.column_stack([LEG[one] for one in pair]).tolist() for name, pair in cells.items()}
+    parquet.write_table(pa.table({"timestamp": T, **lists}), folder / "episode.parquet")
+    return ["episode.parquet"], ["--map"]
+
+
+def as_lists_of_state_alone(folder):
+    """Angles and torques in one list, as some robots have them."""
+    pa, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    state = np.column_stack([LEG["q1"], LEG["q2"]]).tolist()
+    load = np.column_stack([LEG["tau1"], LEG["tau2"]]).tolist()
+    table = {"timestamp": T, "observation.state": state, "observation.load": load, "action": state}
+    parquet.write_table(pa.table(table), folder / "episode.parquet")
+    return ["episode.parquet"], ["--map"]
+
+
+def as_arrays(folder):
+    q, tau = (np.column_stack([LEG[f"{one}1"], LEG[f"{one}2"]]) for one in ("q", "tau"))
+    np.savez(folder / "run.npz", times=T, q=q, tau=tau)
+    return ["run.npz"], []
+
+
+def as_arrays_without_a_clock(folder):
+    q, tau = (np.column_stack([LEG[f"{one}1"], LEG[f"{one}2"]]) for one in ("q", "tau"))
+    np.savez(folder / "run.npz", positions=q, efforts=tau)
+    return ["run.npz"], ["--rate"]
+
+
+def of_a_robot(folder):
+    inertial = '<inertial><mass value="1"/><origin xyz="0 0 -0.15"/>'
+    inertial += '<inertia ixx="0.01" iyy="0.01" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>'
+    links = "".join(f'<link name="{name}">{inertial}</link>' for name in ("base", "upper", "lower"))
+    joints = "".join(
+        f'<joint name="{name}" type="revolute"><parent link="{above}"/><child link="{below}"/><origin xyz="0 0 {z}"/>'
+        '<axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="5" effort="50"/></joint>'
+        for name, above, below, z in (("shoulder", "base", "upper", 0), ("elbow", "upper", "lower", -0.3))
+    )
+    (folder / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>', encoding="utf-8")
+    names = {"q1": "shoulder_pos", "q2": "elbow_pos", "tau1": "shoulder_effort", "tau2": "elbow_effort"}
+    np.savez(folder / "run.npz", times=T, **{names[key]: values for key, values in LEG.items()})
+    return ["run.npz", "--model", "arm.urdf"], []
+
+
+@pytest.mark.parametrize(
+    "fill",
+    [as_long_table, as_long_table_of_other_names, as_lists, as_lists_of_state_alone, as_arrays,
+     as_arrays_without_a_clock, of_a_robot],
+    ids=lambda fill: fill.__name__,
+)  # fmt: skip
+def test_other_shapes_and_models_lead_to_a_fit(fill, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words, options = fill(tmp_path)
+    typed, _ = walk(capsys, "compare", *words)
     assert [word for word in typed if word.startswith("--")] == options
