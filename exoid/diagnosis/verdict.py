@@ -11,7 +11,7 @@ import numpy as np
 from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.intermittent import ADVICE, Intermittent
-from exoid.diagnosis.evidence.model_error import ModelError, compared, model_error, sensor_noise, times_noise
+from exoid.diagnosis.evidence.model_error import ModelError, beside_floor, model_error, sensor_noise
 from exoid.diagnosis.evidence.own_sway import OwnSway
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
@@ -163,7 +163,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
     return Conclusion(
         "adequate",
         f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
-        f"{compared(end.last.prepared, _times(end.last), 'noise floor')}",
+        f"{beside_floor(end.last)}",
         "The model explains these recordings; nothing is missing that can be distinguished from noise."
         + (f" They could not show much: {short}.{end.nearest}" if short else ""),
         end.stopped,
@@ -229,7 +229,7 @@ def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Con
         "unexplained",
         f"{name} lowers the error {where} more than its placebos do, but {early.reason}",
         f"Something is missing that the catalogue does not describe; the error is "
-        f"{compared(first.prepared, _times(first), 'noise floor')}. "
+        f"{beside_floor(first)}. "
         f"Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
         stopped,
         "a link that swings behind a compliant drive looks so: measure its angle behind the drive, or clamp the "
@@ -318,11 +318,6 @@ def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
 def _size(error: ModelError | None) -> str:
     """Return how much is left beside the structure that was found, in words."""
     return "" if error is None else f"; the error of the {error.joint} is {error.beside}"
-
-
-def _times(last: FittedModel) -> float:
-    """Error at the worse joint as a multiple of the noise floor."""
-    return float(times_noise(last).max(initial=0.0))
 
 
 def check_channels(misread: Sequence[Finding]) -> Conclusion:

@@ -134,7 +134,7 @@ def _newton_euler(model: ModelStructure, motion: Motion, links: dict[str, Float]
 
 
 def _force_checks(model: ModelStructure) -> tuple[Check, ...]:
-    """True if Newton and Euler ask the drives for the same as the virtual work of every measured force does."""
+    """Checks that Newton and Euler ask the drives for the same as the virtual work of every measured force does."""
     if not model.forces:
         return ()
     rng, joints, count = np.random.default_rng(SEED), placed_joints(model), len(model.joints)
@@ -274,7 +274,7 @@ def paper_checks() -> list[Check]:
 
 
 def agreement(model: ModelStructure) -> Check:
-    """True if compiled C and CasADi's virtual machine give the same regressor and torque."""
+    """Check that compiled C and CasADi's virtual machine give the same regressor and torque."""
     rng = np.random.default_rng(SEED)
     motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, len(model.joints))) for _ in range(3)))
     motion = replace(motion, force=rng.normal(size=(STATES, len(model.channels))))

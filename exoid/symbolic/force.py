@@ -119,7 +119,7 @@ class Force:
         return names.index(link)
 
     def reaches(self, joints: Sequence[Joint]) -> tuple[bool, bool]:
-        """True if it does anything at its link's upper joint, and whether more the farther along the link.
+        """Flags that it does anything at its link's upper joint, and whether more the farther along the link.
 
         EffectError where it does neither: a force across the way of a machine that only slides.
         """

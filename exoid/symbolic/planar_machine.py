@@ -299,7 +299,7 @@ def limits_in(one: RobotJoint, where: str) -> Limits | None:
 
 
 def _off_axis(robot: RobotFile, joints: Sequence[RobotJoint], directions: Sequence[Float], normal: Float) -> list[bool]:
-    """True if the mass that moves with each joint alone lies beside its link's axis."""
+    """Flags of joints: the mass that moves with each joint alone lies beside its link's axis."""
     found = []
     for joint, along, links in zip(joints, directions, moving_with(robot, joints), strict=True):
         known = [robot.masses[link] for link in links if link in robot.masses]

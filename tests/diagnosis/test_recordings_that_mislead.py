@@ -1,5 +1,6 @@
 """Two clocks, and angles or torques that were filtered before: said, and nothing is named on top of it."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -113,6 +114,8 @@ def test_noise_of_filtered_torques_is_no_measure():
     assert checks(given, TORQUES) and not checks(runs(), TORQUES)
     answer = discover(Model(), given[:3], given[3:])
     assert "times the noise" not in answer.sentence + answer.rule and "filtered before" in answer.sentence
+    assert "It is not noise" not in answer.sentence and answer.error is not None
+    assert re.fullmatch(r"[\d.]+ N·m \(these torques were filtered before .*\)", answer.error.beside)
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,7 @@ def doubts_of_recordings(base: FittedModel, rules: Rules = RULES) -> Doubt | Non
 
 
 def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
-    """True if angles were filtered, the torques not, and the model leaves what that may have taken away."""
+    """Doubt where angles were filtered, the torques not, and the model leaves what that may have taken away."""
     prepared = base.prepared
     if not prepared.angles_were_filtered or np.all(base.evaluation_rms <= rules.near_noise * prepared.noise_floor):
         return None
@@ -92,7 +92,7 @@ def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _two_clocks(base: FittedModel) -> Doubt | None:
-    """True if the torques' clock runs at another rate than the angles'."""
+    """Doubt where the torques' clock runs at another rate than the angles'."""
     found = [finding for finding in base.prepared.findings if finding.check == CLOCKS]
     if not found:
         return None
@@ -178,7 +178,7 @@ def _driven_by_friction(base: FittedModel) -> Doubt | None:
 
 
 def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
-    """True if every torque is a function of the angles alone, and inertia and friction explain less than half of
+    """Doubt where every torque is a function of the angles alone, and inertia and friction explain less than half of
     what these leave: a machine that is moved by hand while its drives carry its weight.
     """
     train = base.prepared.train
@@ -269,7 +269,7 @@ _COLUMNS = (
 
 
 def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
-    """True if an effect had to rescue a rigid machine that explains little and could not exist.
+    """Doubt where an effect had to rescue a rigid machine that explains little and could not exist.
 
     One that leaves next to the noise, or little of the torque, with numbers that are possible, has not: a strong spring
     is no wrong channel.
@@ -300,7 +300,7 @@ def _impossible(fitted: FittedModel) -> list[Finding]:
 
 
 def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
-    """True if a model near the noise explains every torque as well without weight and inertia, at every joint
+    """Doubt where a model near the noise explains every torque as well without weight and inertia, at every joint
     that moves: no machine is without mass, so the torque is another one, or these recordings do not carry an answer.
     """
     if np.any(times_noise(last) > rules.near_noise):

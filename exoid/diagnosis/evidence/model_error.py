@@ -16,6 +16,9 @@ from exoid.ground.ties import index_of_greatest
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
 
+UNKNOWN = "these torques were filtered before or computed, and hold no noise to compare it with"
+FUNCTION = "function of angle, velocity, acceleration, load or time that was tried"
+
 
 @dataclass(frozen=True)
 class ModelError(AsJson):
@@ -71,9 +74,10 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     joint, kind = last.model.joint_names[j], "unseen" if last.verified else "fitted"
     unit = last.model.joints[j].unit("tau")
     text = (
-        f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion, "
-        f"{compared(last.prepared, times[j], f'noise of {floor[j]:.2g} {unit}')}. It is not noise, "
-        "and no function of angle, velocity, acceleration, load or time that was tried"
+        f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion, {times[j]:.2g} times the noise of {floor[j]:.2g} "
+        f"{unit}. It is not noise, and no {FUNCTION}"
+        if last.prepared.noise_is_known
+        else f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion ({UNKNOWN}). It is no {FUNCTION}"
     )
     if again is None:
         text += "; whether it repeats is not known, because no motion was recorded twice"
@@ -103,25 +107,34 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
             "fit a recording of the motion that is held out now and hold out another: an end stop or a load that no "
             "fitted recording meets cannot be named"
         )
-    beside = compared(last.prepared, times[j])
+    beside = compared(last, j, times[j])
     return ModelError(joint, float(times[j]), text, advice, None if again is None else float(again.share[j]), beside)
 
 
-def compared(prepared: Prepared, times: float, noise: str = "noise") -> str:
-    """Return how large an error is beside the `noise`; of torques that were filtered nobody knows it."""
-    return f"{times:.2g} times the {noise}" if prepared.noise_is_known else "with no sensor's noise to compare it with"
+def compared(last: FittedModel, j: int, times: float, noise: str = "noise") -> str:
+    """Return how large the error at joint `j` is beside the `noise`; of torques that were filtered nobody knows it."""
+    if last.prepared.noise_is_known:
+        return f"{times:.2g} times the {noise}"
+    return f"{last.evaluation_rms[j]:.3g} {last.model.joints[j].unit('tau')} ({UNKNOWN})"
+
+
+def beside_floor(last: FittedModel) -> str:
+    """Return how large the error is beside the noise floor, at the joint where it is largest."""
+    times = times_noise(last)
+    j = index_of_greatest(times)
+    return compared(last, j, float(times[j]), "noise floor")
 
 
 def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelError:
     """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
     joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
-    beside = compared(last.prepared, times, "noise of the sensors")
+    beside = f", {times:.2g} times the noise of the sensors" if last.prepared.noise_is_known else f" ({UNKNOWN})"
     text = (
-        f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}, {beside}, "
+        f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}{beside}, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion. "
         "Something acts that is not in the recordings: a person, the ground, or what changes from time to time"
     )
-    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), compared(last.prepared, times))
+    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), compared(last, j, times))
 
 
 _CHANGES = (

@@ -28,7 +28,7 @@ FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
 
 
 def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
-    """True if a torque is late, early, or behind a slow filter, by more than a drive can be."""
+    """Doubt where a torque is late, early, or behind a slow filter, by more than a drive can be."""
     share = left_share(base)
     if not np.nanmax(share, initial=0.0) > rules.least_share or np.all(
         base.evaluation_rms < rules.near_noise * base.prepared.noise_floor

@@ -199,7 +199,7 @@ def _off(numbers: Float, steps: Float) -> Float:
 
 
 def _fits(good: Float, register: _Register) -> tuple[bool, bool]:
-    """True if numbers certainly come from a register, and whether they are likely to.
+    """Flags that numbers certainly come from a register, and whether they are likely to.
 
     They do where both signs are there and come near zero, every change of sign is a jump over half the register as the
     numbers stand, and none is a jump in what they mean; and where both signs are at the ends of a wide one, or of a

@@ -16,6 +16,7 @@ import numpy as np
 from exoid.optimisation.linear.factor import RANK_TOLERANCE, Factors, factorise
 from exoid.optimisation.linear.problem import LinearData
 from exoid.symbolic.evaluation import carrying
+from exoid.symbolic.language.torque import uses_feedback
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -27,6 +28,8 @@ FIXED_POINT_TOLERANCE = 1e-11
 EXTRAPOLATED, CLOSER = 4, 0.7
 """Rounds before the last from which a fixed point is extrapolated, and how much smaller a round's change must be than
 that of the round before for these to count."""
+TRIED = 3
+"""Shape values of an effect whose columns are kept: where a descent stands, and one step to either side."""
 TOGETHER = 2_000_000
 """Values of columns that are computed at once, at most."""
 
@@ -34,8 +37,9 @@ TOGETHER = 2_000_000
 class Assembly:
     """Builds the linear data of one model and its recordings again and again, for other shapes.
 
-    Filtering costs more than evaluating, and most columns do not depend on the shapes: only those that follow them are
-    computed again, and a column that comes out as it did last time is not filtered again.
+    Filtering costs more than evaluating, and most columns do not depend on the shapes: only those of effects whose own
+    shapes or fed-back torques have changed are computed again, and a column that comes out as it did last time is not
+    filtered again.
     """
 
     def __init__(self, model: Model, prepared: Sequence[PreparedRecording]) -> None:
@@ -44,6 +48,8 @@ class Assembly:
         self._raw: list[Float | None] = [None] * len(self.prepared)
         self._smooth: list[Float | None] = [None] * len(self.prepared)
         self._at = [b""] * len(self.prepared)
+        self._terms = _followers(model)
+        self._tried: dict[tuple[int, int], dict[bytes, Float]] = {}
         self._factors = Factors()
         self._tau = np.concatenate([one.torque for one in self.prepared], axis=1)
         self._use = np.concatenate([one.used for one in self.prepared], axis=1)
@@ -81,7 +87,16 @@ class Assembly:
         if places and smooth is not None and own is not None:
             if at != self._at[index]:
                 smooth = smooth.copy()
-                smooth[:, :, places] = self._following(one, places, np.asarray(own)[None], reference)[0]
+                for number, (term, shapes, fed_back) in enumerate(self._terms):
+                    heard = reference if fed_back and reference is not None else ()
+                    key = np.concatenate([own[shapes], heard]).tobytes()
+                    kept = self._tried.setdefault((index, number), {})
+                    if (found := kept.pop(key, None)) is None:
+                        found = self._following(one, term, np.asarray(own)[None], reference)[0]
+                    kept[key] = found  # the last that was asked for
+                    if len(kept) > TRIED:
+                        del kept[next(iter(kept))]
+                    smooth[:, :, term] = found
                 self._smooth[index], self._at[index] = smooth, at
             return smooth
         raw = self.model.whole_columns(one.motion, own, reference)
@@ -144,6 +159,17 @@ class Assembly:
     def _thinned(self) -> float:
         """Samples of the motion for each that is kept."""
         return float(np.mean([len(one.motion) / max(1, len(one.kept)) for one in self.prepared]))
+
+
+def _followers(model: Model) -> list[tuple[list[int], list[int], bool]]:
+    """Return for every effect with columns at `following_places` these, its shapes, and whether it is fed back."""
+    places, found = set(model.following_places), []
+    for term in model.terms if places else ():
+        own = [k for k, parameter in enumerate(model.parameters) if parameter.term == term.name and k in places]
+        if own:
+            shapes = [k for k, entry in enumerate(model.shapes) if entry.term == term.name]
+            found.append((own, shapes, uses_feedback(term)))
+    return found
 
 
 def assemble(model: Model, prepared: Sequence[PreparedRecording]) -> LinearData:

@@ -104,7 +104,7 @@ def identify(
         certificate=stage.certificate,
         plausibility=cautions,
         sse=found.sse,
-        data=best.data,
+        data=best.data.alone,
         covariance=spread.matrix,
         best_known=bool(model.shapes),
         lag=spread.lag,

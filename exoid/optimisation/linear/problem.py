@@ -13,6 +13,7 @@ In physical coordinates it is the smallest box around that ball: half-width time
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -23,7 +24,7 @@ from exoid.ground.errors import NotEnoughDataError, RecordingError
 from exoid.optimisation.linear.factor import Factor, factorise
 from exoid.optimisation.linear.loss import Bool, huber
 from exoid.symbolic.joints import Joint
-from exoid.symbolic.motion import Float, read_only
+from exoid.symbolic.motion import Float
 
 Fitness = Callable[[Float], Float]
 
@@ -59,11 +60,11 @@ class LinearData:
             columns[~use] = 0.0
             tau[~use] = 0.0
         self._refuse_infinite(columns, tau)
-        use.setflags(write=False)
-        groups.setflags(write=False)
+        for one in (columns, tau, use, groups):
+            one.setflags(write=False)
         for name, value in (
-            ("columns", read_only(columns)),
-            ("tau", read_only(tau)),
+            ("columns", columns),
+            ("tau", tau),
             ("use", use),
             ("groups", groups),
         ):
@@ -93,6 +94,14 @@ class LinearData:
     def factor(self) -> Factor:
         """The regressor in whitened coordinates, with its rank and condition number."""
         return self.factoriser(self.matrix)
+
+    @property
+    def alone(self) -> LinearData:
+        """The same without what was computed of it and what would compute it faster: to be kept."""
+        kept = copy(self)
+        vars(kept).pop("factor", None)
+        object.__setattr__(kept, "factoriser", factorise)
+        return kept
 
     def require_enough(self, joints: Sequence[Joint]) -> None:
         """Refuse data with fewer usable samples than parameters; one of `joints` that never moves may have none."""
