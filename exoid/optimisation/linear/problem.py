@@ -60,8 +60,8 @@ class LinearData:
             columns[~use] = 0.0
             tau[~use] = 0.0
         self._refuse_infinite(columns, tau)
-        for one in (columns, tau, use, groups):
-            one.setflags(write=False)
+        for array in (columns, tau, use, groups):
+            array.setflags(write=False)
         for name, value in (
             ("columns", columns),
             ("tau", tau),
