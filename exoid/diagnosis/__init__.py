@@ -1,4 +1,4 @@
-"""What is missing: comparison, suspects, look-alikes, verdict, extension.
+"""The search for missing effects: comparison, suspects, look-alikes, verdict, extension.
 
 In a notebook: `from exoid.diagnosis import compare, discover, watch`; `found = discover(leg, train, verify)`.
 """

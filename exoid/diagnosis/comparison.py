@@ -93,11 +93,11 @@ class Comparison(Reported):
 
     @property
     def misread(self) -> tuple[Finding, ...]:
-        """What says that the recordings keep another convention."""
+        """Findings that the recordings keep another convention."""
         return self.now.prepared.misread
 
     def to_frame(self) -> pd.DataFrame:
-        """Return where the error is, one row each."""
+        """Table of where the error is, one row each."""
         return pandas().DataFrame([w.to_json() for w in self.where], columns=["joint", "variable", "share", "sentence"])
 
     def plot(self) -> Figure:
@@ -140,7 +140,7 @@ class Comparison(Reported):
         return out
 
     def material(self) -> Material:
-        """Return what the report draws on, the recordings apart."""
+        """Material that the report draws on, the recordings apart."""
         kind, rms, held_out = "motion the fit has not seen", self.verify_rms, ""
         if rms is None:
             kind, rms, held_out = "the fitted motion", self.rms, f" {NOTHING_HELD_OUT}"

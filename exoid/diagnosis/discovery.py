@@ -80,7 +80,7 @@ def answer_of(
     prepared: Prepared | None = None,
     found: Callable[[Sequence[Step]], None] | None = None,
 ) -> Diagnosis:
-    """Return what `discover` finds; `prepared` are the recordings where they are prepared already, `found` is called
+    """Answer of `discover`; `prepared` are the recordings where they are prepared already, `found` is called
     with the steps so far whenever the search has another one.
 
     What belongs to recordings (a zero of their own, a load) is a rival explanation of what the best model leaves: where
@@ -289,14 +289,14 @@ def _answer(
 def _agreed(
     accepted: Sequence[Accepted], agreements: Mapping[str, Agreement], searched: Prepared
 ) -> tuple[Accepted, ...]:
-    """Return what was accepted, with what splits of the recordings say of it."""
+    """Accepted effects, each with what splits of the recordings say of it."""
     names = [item.name for item in searched.all]
     pairs = [(effect, agreements.get(effect.name, Agreement())) for effect in accepted]
     return tuple(replace(entry, agreement=own, against=tuple(names[k] for k in own.against)) for entry, own in pairs)
 
 
 def in_words(one: Accepted) -> Accepted:
-    """Return what was accepted with readings among its look-alikes named in words: no catalogue has them."""
+    """The same accepted effect, with readings among its look-alikes named in words: no catalogue has them."""
     also = {name: reading_said(name) for name in one.look_alikes if is_reading(name)}
     if not also:
         return one

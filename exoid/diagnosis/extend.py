@@ -75,7 +75,7 @@ class Waterfall(Reported):
         return [("The error falling", falling_text(self.steps, self.joints, self.unit), self.plot())]
 
     def material(self) -> Material:
-        """Return what the report draws on, the recordings apart."""
+        """Material that the report draws on, the recordings apart."""
         return Material(
             title="The error from model to model", answer=self.stopped_because, model=self.fit.model, fit=self.fit,
             fall=self, pictures=pictures_of(self),
@@ -118,7 +118,7 @@ class Addition(Reported):
         return self.waterfall.plot()
 
     def material(self) -> Material:
-        """Return what the report draws on, the recordings apart."""
+        """Material that the report draws on, the recordings apart."""
         return Material(
             title=f"Adding {self.model.terms[-1].name}", answer=self.sentence, model=self.model, fit=self.after,
             fall=self.waterfall, pictures=pictures_of(self),

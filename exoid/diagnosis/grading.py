@@ -53,7 +53,7 @@ class GradedEffect(AsJson):
 
 @dataclass(frozen=True)
 class Grade(AsJson):
-    """How a diagnosis did: every hidden effect, the `extra` ones it accepted, its `verdict`, and if it was right."""
+    """Grade of a diagnosis: every hidden effect, the `extra` ones it accepted, its `verdict`, and if it was `right`."""
 
     hidden: tuple[GradedEffect, ...]
     extra: tuple[str, ...]

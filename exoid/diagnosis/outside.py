@@ -38,12 +38,12 @@ class ForceUse(AsJson):
 
 
 def force_uses(now: FittedModel) -> tuple[ForceUse, ...]:
-    """Return what the measured forces of a fitted model are and make, on unseen recordings where there are any."""
+    """Measured forces of a fitted model and the torques they make, on unseen recordings where there are any."""
     return tuple(_use(force, now) for force in now.model.forces)
 
 
 def acts_at(force: Force, estimates: Sequence[Estimate]) -> tuple[float, float, Estimate | None]:
-    """Return where along its link a force acts in m, 0 for one in space, which says it itself; its gain; and the
+    """Place in m along its link at which a force acts, 0 for one in space, which says it itself; its gain; and the
     estimate of the place where that was identified.
     """
     known = {estimate.name: estimate for estimate in estimates}

@@ -1,4 +1,4 @@
-"""What is asked of recordings, and the search that looks for the answer, whichever of them are fitted."""
+"""The question asked of recordings, and the search that looks for the answer, whichever of them are fitted."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Searched:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is asked of recordings, whichever of them are fitted; `own` is what belongs to them."""
+    """The question asked of recordings, whichever of them are fitted; `own` are the numbers that belong to them."""
 
     model: Model
     asked: DiscoverySettings
@@ -172,7 +172,7 @@ def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
 
 
 def most_explained(context: SearchContext, base: FittedModel) -> float:
-    """Return what share of the unseen error the best entry of the catalogue explains, of those that do not follow the
+    """Largest share of the unseen error that an entry of the catalogue explains, of those that do not follow the
     model's own torque.
     """
     start = Extension(base) if context.prepared is base.prepared else context.fit(base.model)

@@ -1,4 +1,4 @@
-"""What a diagnosis returns. The JSON of `exoid diagnose` and `discover` is these fields written out."""
+"""Results of a diagnosis. The JSON of `exoid diagnose` and `discover` is these fields written out."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Accepted(AsJson):
 
     @property
     def sureness(self) -> str:
-        """How sure it is that it is missing, in one word (`exoid.diagnosis.sureness`)."""
+        """Certainty that it is missing, in one word (`exoid.diagnosis.sureness`)."""
         doubted = bool(self.look_alikes) or self.doubted
         return sureness(self.p_value, self.agreement, doubted=doubted, left=self.left)
 
@@ -267,8 +267,8 @@ class Diagnosis(Reported):
 
     @property
     def sureness(self) -> str:
-        """How sure the whole answer is: as its least sure effect, and never very sure where more is missing; "" where
-        nothing was accepted. Beside others those with look-alikes are told by themselves.
+        """Certainty of the whole answer: that of its least sure effect, and never very sure where more is missing; ""
+        where nothing was accepted. Beside others those with look-alikes are told by themselves.
         """
         told, alike = self._told_apart
         words = [item.sureness for item in told or alike]
@@ -276,7 +276,7 @@ class Diagnosis(Reported):
 
     @property
     def more_missing(self) -> str:
-        """What is missing beside what was accepted, in words: where, and how many times the noise; "" for nothing."""
+        """Error beside what was accepted, in words: where, and how many times the noise; "" for none."""
         if self.error is not None:
             return f"the {self.error.joint} keeps {self.error.beside}"
         return "" if self.unexplained is None else f"the {self.unexplained.joint} keeps what no known effect explains"
@@ -298,7 +298,7 @@ class Diagnosis(Reported):
 
     @property
     def further(self) -> str:
-        """What the sentence says beyond the headline."""
+        """Rest of the sentence, beyond the headline."""
         return self.sentence.removeprefix(f"Missing: {self._named}. ")
 
     @property
@@ -311,7 +311,7 @@ class Diagnosis(Reported):
         return "; ".join(effect.sentence for effect in self.accepted)
 
     def called(self, name: str) -> str:
-        """Return what an effect such as "stribeck:knee" is called."""
+        """Title in words of an effect such as "stribeck:knee"."""
         return called(name, self.model.find_effect)
 
     @property
@@ -367,7 +367,7 @@ class Diagnosis(Reported):
         return out
 
     def material(self, first: Comparison | None = None) -> Material:
-        """Return what the report draws on, the recordings apart; `first` is the Comparison of the model asked about."""
+        """Material of the report, the recordings apart; `first` is the Comparison of the model asked about."""
         if first is None and self.given is not None:
             first = compare_prepared(self.given.fit, self.given.prepared)
         changed = first is not None and len(self.steps) > 1

@@ -1,4 +1,4 @@
-"""What `diagnose`, `discover` and a session may be told."""
+"""Settings of `diagnose`, `discover` and a session."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class DiscoveryOptions(DiagnosisOptions, total=False):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DiagnosisSettings(VerbSettings):
-    """How recordings are prepared, and by which rules suspects are weighed."""
+    """Settings of the preparation of recordings, and the rules by which suspects are weighed."""
 
     cutoff: float | None = setting(None, "Hz of the common filter; without it, chosen from the recordings")
     derivative: str = setting(
@@ -53,7 +53,7 @@ class DiagnosisSettings(VerbSettings):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DiscoverySettings(DiagnosisSettings):
-    """How far a search goes, and how its decision is repeated."""
+    """Limits of a search, and the way in which its decision is repeated."""
 
     most: int | None = setting(None, "effects that are added at most; without it, what the rules say")
     splits: str = setting(

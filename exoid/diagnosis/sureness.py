@@ -1,4 +1,4 @@
-"""How sure it is that an effect is missing, in one word that is the same wherever a person reads it.
+"""Certainty that an effect is missing, in one word that is the same wherever a person reads it.
 
 The word sums up figures that stand beside it for who wants them: how rarely placebos do as well, how many splits of the
 recordings agree, whether something else does as well on these recordings, and how much is left where it shows. What is

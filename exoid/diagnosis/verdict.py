@@ -79,7 +79,7 @@ def conclude(
 
 @dataclass(frozen=True, eq=False)
 class _End:
-    """Where a search ended: what is `left`, the models at both ends, what is `possible`, the `error` of the last model
+    """End of a search: what is `left`, the models at both ends, what is `possible`, the `error` of the last model
     with what `swing`s in it, `where` it was looked at, and why it `stopped`; `leading` explains most alone.
     """
 
@@ -96,12 +96,12 @@ class _End:
 
     @property
     def oscillation(self) -> str:
-        """What swings, as a sentence that follows others."""
+        """The swing, as a sentence that follows others; "" without one."""
         return "" if self.swing is None else f" And {self.swing.sentence}"
 
     @property
     def nearest(self) -> str:
-        """What comes nearest of what was not accepted, as a sentence that follows others."""
+        """Nearest of the candidates that were not accepted, as sentences that follow others; "" without any."""
         told = {} if self.leading is None else {self.leading.name: self.leading}
         best = _nearest(self.possible, self.rules)
         if best is not None:
@@ -114,7 +114,7 @@ class _End:
 
     @property
     def find(self) -> Callable[[str], Effect]:
-        """What finds an effect by its id, the user's own among them."""
+        """Function that finds an effect by its id, the user's own among them."""
         return self.last.model.find_effect
 
 
@@ -316,7 +316,7 @@ def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
 
 
 def _size(error: ModelError | None) -> str:
-    """Return how much is left beside the structure that was found, in words."""
+    """Error that is left beside the structure that was found, in words; "" without one."""
     return "" if error is None else f"; the error of the {error.joint} is {error.beside}"
 
 

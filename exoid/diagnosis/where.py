@@ -1,4 +1,4 @@
-"""Where the error of a model sits: in which variables of a joint's motion, and in which stretches of it.
+"""Place of a model's error: in which variables of a joint's motion, and in which stretches of it.
 
 A curve counts with what it takes from what the curves before it leave, so that the shares of a joint never add up to
 more than its whole error.
@@ -123,7 +123,7 @@ def _at_joint(now: FittedModel, joint: str, curves: Sequence[Remainder]) -> list
 
 
 def _followed(one: Remainder, at: ErrorSamples, y: Float) -> Float:
-    """Return what of `y` (K,) follows the variable of a curve: its mean in bins, times the factor of the curve."""
+    """Part of `y` (K,) that follows the variable of a curve: its mean in bins, times the factor of the curve."""
     factor = {"sign": np.sign(at.speed), "speed": at.speed}.get(one.factor, np.ones(len(y)))
     x = np.abs(at.x) if one.directed and one.variable.startswith("dq") else at.x
     edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)))

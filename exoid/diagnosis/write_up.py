@@ -1,4 +1,4 @@
-"""What a search found, written down as a Diagnosis."""
+"""Findings of a search, written down as a Diagnosis."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ Ranked = TypeVar("Ranked")
 def possible_beside(
     soft: SoftDrive, accepted: Sequence[Accepted], possible: Sequence[Possible], rules: Rules
 ) -> tuple[Possible, ...]:
-    """Return what is possible where a drive too soft for its encoder explains more than all that was accepted."""
+    """Possible effects where a drive too soft for its encoder explains more than all that was accepted."""
     reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
     given_up = [
         Possible(effect.effect, effect.joint, effect.agreement, effect.parameters, effect.fall, reason)
@@ -55,7 +55,7 @@ def possible_beside(
 
 
 def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
-    """Return what is possible, with the sway in the place of one of the same size in all recordings."""
+    """Possible effects, with the sway in the place of one of the same size in all recordings."""
     reason = f"the base oscillates {sway.words}: no model of the motion alone can predict that"
     found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
     both = [found, *(item for item in possible if item.effect != SWAY)]
@@ -179,7 +179,7 @@ def _reserve(prepared: Prepared) -> str:
 
 
 def _power(done: Searched) -> tuple[Power, ...]:
-    """Return what the recordings that were searched would have shown beside the last model."""
+    """Power of the recordings that were searched to show each effect beside the last model."""
     context, last = done.context, done.found.state.last
     evidence = context.evidence(last, DRAWS)
     return power_of(last.fitted, evidence, context.library, context.simulated(last))

@@ -1,4 +1,4 @@
-"""What was recorded before and after as one body of evidence, and a model with further columns fitted to all of it."""
+"""Recordings from before and after as one body of evidence, and a model with further columns fitted to all of it."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def compare_against(
     derivative: str = BUTTERWORTH,
     extra: Sequence[Effect] = (),
 ) -> Differences:
-    """Return what differs between recordings made `before` and `after` (maintenance, on two devices, of two wearers).
+    """Differences between recordings made `before` and `after` (maintenance, on two devices, of two wearers).
 
     `extra` are effects beyond the catalogue and the model's own. Refuses recordings that are too short or, before, do
     not determine the model.
@@ -79,7 +79,7 @@ def compare_against(
 
 @dataclass(frozen=True, eq=False)
 class _Granted:
-    """What was taken into the model: its score, its columns (J, K, m) on every recording, and what looks like it.
+    """A change taken into the model: its score, its columns (J, K, m) on every recording, and what looks like it.
 
     Of a load, `place` is where it is in m, and its columns are those of its mass and of its place.
     """
@@ -129,7 +129,9 @@ class BeforeAfter:
         return self._written(evidence, granted, began)
 
     def _next(self, evidence: Evidence, granted: Sequence[_Granted], refused: set[str]) -> _Granted | None:
-        """Return what leads of all that is significant; of what cannot be distinguished, what is no change."""
+        """The leader of all that is significant; of those that cannot be distinguished, one that is no change; None
+        where nothing is significant.
+        """
         taken = {g.asked.label for g in granted} | refused
         changes = self._changes(evidence, taken)
         good = [s for s in changes if s.significant]
@@ -194,7 +196,7 @@ class BeforeAfter:
         return mark_significant(changes, self.rules.level)
 
     def _old(self, evidence: Evidence, changes: Sequence[Score]) -> list[Score]:
-        """Return what each of `changes` would be as an error that was there all along."""
+        """Scores of the same `changes` as errors that were there all along."""
         labels = {_asked(s).label for s in changes}
         return self._weighed(evidence, [c for c in self._asked(set()) if c.always and c.label in labels])
 
@@ -329,7 +331,9 @@ class BeforeAfter:
         return np.zeros(count) if known is None or known.size != count else known
 
     def _place(self, one: _Granted, step: Float, spread: Float, critical: float) -> Estimate | None:
-        """Return where a load is, beside the last two of `step`: its mass and that times what its place is off by."""
+        """Place of a load along its link, from the last two of `step`: its mass and that times what its place is off
+        by; None where it has none.
+        """
         if one.place is None or not step[-2]:
             return None
         slope = np.array([-step[-1] / step[-2] ** 2, 1.0 / step[-2]])
@@ -339,7 +343,7 @@ class BeforeAfter:
         return Estimate("along", float(np.clip(middle, NEAREST, FARTHEST)), "m", low, high)
 
     def _course(self, one: _Granted, granted: Sequence[_Granted], size: Float) -> Course:
-        """Return when the change was there: the size it has, stretch by stretch, beside all else that was granted."""
+        """Course of the change: the size it has, stretch by stretch, beside all else that was granted."""
         system = CommonFit(self.evidence, [*(g.columns for g in granted if g is not one), one.columns])
         step = system.solve()
         own = self._in_every_recording(one)

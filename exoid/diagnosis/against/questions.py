@@ -1,4 +1,4 @@
-"""What may differ between before and after: every effect of the catalogue, every number of the model, a load.
+"""Possible differences of before and after: every effect of the catalogue, every number of the model, a load.
 
 Each is asked twice: as something that acts only after (a change), and as something that has acted all along (an old
 error, which another motion may merely have made visible). The columns of a change are zero before.
@@ -58,7 +58,7 @@ class Asked(Candidate):
 
     @property
     def name(self) -> str:
-        """What it is called; an error that was always there says so."""
+        """The label; an error that was always there says so."""
         return self.label + ALL_ALONG if self.always else self.label
 
     @property

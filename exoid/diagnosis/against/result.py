@@ -1,4 +1,4 @@
-"""What a question about before and after is answered with."""
+"""The answer to a question about before and after."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ KINDS: Mapping[str, str] = {
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """How a difference came about: at times `t` (K,) in s, how much of the whole change (1) stretches of `SECONDS` want
+    """The course of a difference: at times `t` (K,) in s, how much of the whole change (1) stretches of `SECONDS` want
     (`wants`, (K,)), and how much they can tell (`power`, (K,)).
     """
 
@@ -98,7 +98,7 @@ def _said(estimate: Estimate) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Differences(AsJson):
-    """What differs between recordings made `before` and `after`; nothing is a result as well.
+    """Differences between recordings made `before` and `after`; nothing is a result as well.
 
     `old` are errors of the model that were there all along and that these recordings show; `rms_before` and
     `rms_after` (J,) in `units` (J,) are those of the model fitted before, `rms_named` that of after with what is named.

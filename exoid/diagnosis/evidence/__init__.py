@@ -1,1 +1,1 @@
-"""What the recordings say for and against each candidate, placebo and recording, given a fitted model."""
+"""Evidence of the recordings for and against each candidate, placebo and recording, given a fitted model."""

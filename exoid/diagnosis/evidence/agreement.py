@@ -1,4 +1,4 @@
-"""What splits of the recordings say about a term: in how many it would be accepted, and with which values."""
+"""Agreement of splits of the recordings about a term: in how many it would be accepted, and with which values."""
 
 from __future__ import annotations
 

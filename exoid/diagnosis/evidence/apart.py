@@ -1,4 +1,4 @@
-"""Which recordings are not of what the others are of: a torque that was stuck, another machine or load, other columns?
+"""Recordings that are not of what the others are of: a torque that was stuck, another machine or load, other columns.
 
 A model fitted to the others explains each of them, and of the odd one leaves a large part of the torque, several times
 what it leaves of any other. An effect that the model lacks is in all recordings, more or less, and raises what is left
@@ -40,7 +40,7 @@ class Apart(AsJson):
 
 
 def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
-    """Return which recordings (indices, fitted ones first) are apart from the others; () where none or too many are."""
+    """Indices of the recordings, fitted ones first, that are apart from the others; () where none or too many are."""
     grams = _Grams(base)
     count = len(base.prepared.all)
     out: list[int] = []
@@ -58,14 +58,14 @@ def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
 
 
 def still_apart(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[int, ...]:
-    """Return which of the recordings `odd` the model that was found for the others does not explain either."""
+    """Those of the recordings `odd` (indices) that the model found for the others does not explain either."""
     left = _left_by(base, found, odd)
     others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
     return tuple(k for k, own in zip(odd, left[-len(odd) :], strict=True) if _plain(own, others, rules).any())
 
 
 def why_apart(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[Apart, ...]:
-    """Return what is to be said of the recordings that the model found for the others does not explain."""
+    """Reasons to leave out the recordings `odd`, which the model found for the others does not explain, one each."""
     left, power = _left_by(base, found, odd), _power(base)
     others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
     out = []
@@ -101,8 +101,8 @@ def _why(
 
 
 def explained_alone(base: FittedModel, found: Fit, odd: Sequence[int]) -> float:
-    """Return what part of what a model found for the others leaves of the recordings `odd` is explained by numbers of
-    their own, of the one of which that is least.
+    """Share that numbers of their own explain of what a model found for the others leaves of the recordings `odd`, of
+    the one of which that is least.
     """
     left = [float(np.nansum(item)) for item in _left_by(base, found, odd)[-len(odd) :]]
     own = [_alone(base, found, base.prepared.all[k]) for k in odd]
@@ -132,8 +132,8 @@ def moved_numbers(first: Fit, second: Fit) -> list[str]:
 
 
 def _left_by(base: FittedModel, found: Fit, odd: Sequence[int]) -> Float:
-    """Return what share (R, J) of the torques a model found without the recordings `odd` leaves of the others, and of
-    these, which come last.
+    """Shares (R, J) of the torques that a model found without the recordings `odd` leaves of the others, and of these,
+    which come last.
     """
     count, every = len(base.prepared.train), base.prepared.all
     train, held = ([every[k] for k in part if k not in odd] for part in (range(count), range(count, len(every))))

@@ -1,4 +1,4 @@
-"""How much the catalogue could explain at best, asked without a search: what is said of the channels or of the world
+"""The most that the catalogue could explain, asked without a search: what is said of the channels or of the world
 outside has to beat it.
 """
 

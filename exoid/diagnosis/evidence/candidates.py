@@ -152,8 +152,8 @@ def _filter(
 def unfiltered_columns(
     candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel
 ) -> Callable[[Float], Float]:
-    """Return what gives the columns (V, A, m, N) of a candidate at some of its `nodes`, on all samples of a recording,
-    as `candidate_columns` filters them.
+    """Function that gives the columns (V, A, m, N) of a candidate at some of its `nodes`, on all samples of a
+    recording, as `candidate_columns` filters them.
     """
     if candidate.tangent:
         return lambda some: _tangent(candidate.term, one, fitted)[None]
@@ -289,7 +289,7 @@ def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Flo
 
 
 def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Callable[[Float], Float]:
-    """Return what gives the new columns (V, A, m, N) of a changed mechanism at some of `nodes` (V, S) of its shapes."""
+    """Function that gives the new columns (V, A, m, N) of a changed mechanism at some of `nodes` (V, S)."""
     extended = _extended(fitted.model, term)
     new = len(extended.parameters) - len(fitted.model.parameters)
     reference = np.concatenate([fitted.linear, np.zeros(new)])

@@ -1,4 +1,4 @@
-"""What is said of channels that cannot be what they say, and how much of each torque a model leaves."""
+"""A doubt about channels that cannot be what they say, and the share of each torque that a model leaves."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from exoid.symbolic.motion import Float
 
 @dataclass(frozen=True)
 class Doubt:
-    """Why the channels cannot be what they say: the rule that fired, the sentence, and what to do; and what `share` of
-    the squared error the other reading leaves, 0 where there is none.
+    """Reason why the channels cannot be what they say: the rule that fired, the sentence, and what to do; and the
+    `share` of the squared error that the other reading leaves, 0 where there is none.
     """
 
     rule: str

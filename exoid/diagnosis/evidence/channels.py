@@ -45,7 +45,7 @@ NOTHING_EXPLAINED = 0.9
 def doubts_before(
     base: FittedModel, rules: Rules = RULES, explained: Callable[[], float] = lambda: 0.0
 ) -> Doubt | None:
-    """Return what makes a search pointless, judged with the model that is there; None where nothing does.
+    """Doubt that makes a search pointless, judged with the model that is there; None where nothing does.
 
     `explained` returns what share of the squared error the best entry of the catalogue explains: one that leaves less
     than another timing of the torque is the nearer answer, as dry friction that builds up slowly.
@@ -73,7 +73,7 @@ def _untared(base: FittedModel) -> Doubt | None:
 
 
 def doubts_of_recordings(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
-    """Return what is wrong with the recordings whatever the machine is: asked before anything outside is looked for."""
+    """Doubt about the recordings whatever the machine is, asked before anything outside is looked for; None without."""
     return _two_clocks(base) or _filtered_angles(base, rules)
 
 
@@ -108,7 +108,9 @@ def _late(base: FittedModel, rules: Rules, explained: Callable[[], float]) -> Do
 
 
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
-    """Return what makes the best model that was found (`last`) no answer; `base` is the model the search began with."""
+    """Doubt by which the best model that was found (`last`) is no answer, None without; `base` is the model that the
+    search began with.
+    """
     return (
         _unexplained_torque(base, last, rules)
         or _impossible_base(base, last, rules)
@@ -157,7 +159,7 @@ def _noisy_angles(base: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _driven_by_friction(base: FittedModel) -> Doubt | None:
-    """Return which joints' friction, dry and viscous alike, drives them: their torque or angle has the wrong sign."""
+    """Doubt where friction of a joint, dry and viscous alike, drives it: its torque or angle has the wrong sign."""
     rigid, found = len(base.model.base().inertial), []
     for k, joint in enumerate(base.model.joints):
         dry, viscous = base.fit.estimates[rigid + 2 * k : rigid + 2 * k + 2]
@@ -212,7 +214,7 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _at_rest(base: FittedModel, one: PreparedRecording) -> Float:
-    """Return what a recording's postures alone make: columns (J, K, P) without velocity and acceleration, and a one."""
+    """Columns (J, K, P) of a recording's postures alone, without velocity and acceleration, and a column of ones."""
     zero = np.zeros(one.motion.q.shape)
     held = replace(one.motion, dq=zero, ddq=zero, sign=zero)
     columns = base.model.base().columns(held)
@@ -237,7 +239,7 @@ def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> D
 
 
 def _undriven(share: Float, joints: Sequence[str]) -> str:
-    """Return what to say if the joints of which next to nothing is explained, unlike others, have no drive."""
+    """Advice if the joints of which next to nothing is explained, unlike others, have no drive; "" where none is so."""
     idle = [joint for joint, x in _finite(share, joints) if x > NOTHING_EXPLAINED]
     if not idle or len(idle) == len(joints):
         return ""
@@ -293,7 +295,7 @@ def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doub
 
 
 def _impossible(fitted: FittedModel) -> list[Finding]:
-    """Return what says that the numbers are those of no machine."""
+    """Findings that the numbers are those of no machine."""
     return [
         f for f in fitted.fit.plausibility if f.severity == "warning" and f.check in ("bounds", "inertia", "realisable")
     ]

@@ -1,5 +1,5 @@
-"""Whether recordings hold enough motion for an effect to be accepted, whatever the clock says: the same motion at half
-the speed holds as much.
+"""Least motion that recordings must hold for an effect to be accepted, whatever the clock says: the same motion at
+half the speed holds as much.
 
 An error within a band says as many independent things as periods of the band pass, and a joint shows an effect again
 only where it turns back.
@@ -18,8 +18,8 @@ from exoid.optimisation.preparation.prepare import Prepared
 
 
 def little_motion(prepared: Prepared, rules: Rules, joints: Collection[int] = ()) -> str:
-    """Return which gate the fitted recordings do not pass, for an effect at any of `joints` (default: of all), and what
-    would be enough; "" where they pass.
+    """The gate that the fitted recordings do not pass, for an effect at any of `joints` (default: of all), and what
+    would be enough, in words; "" where they pass.
     """
     seconds, cutoff = fitted_seconds(prepared), prepared.choice.cutoff
     if seconds * cutoff < rules.least_periods:

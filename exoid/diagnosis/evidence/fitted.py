@@ -197,7 +197,7 @@ def places_pay(once: FittedModel, each: FittedModel, rules: Rules = RULES) -> bo
 
 
 def _by_halves(fit: Fit, one: PreparedRecording) -> Float:
-    """Return what is left (J, K) of a recording, each half with its own values as the other half has them."""
+    """Residual (J, K) of a recording, each half with its own values as the other half has them."""
     first, second = (one.torque - _filtered_torque(fit.model, one, fit.linear, at) for at in own_of_halves(fit, one))
     middle = first.shape[1] // 2
     return np.concatenate([first[:, :middle], second[:, middle:]], axis=1)

@@ -1,4 +1,4 @@
-"""How much an extra column would improve the prediction of motion it was not fitted on.
+"""The gain of an extra column: by how much it improves the prediction of motion it was not fitted on.
 
 Everything is linear algebra on Gram blocks, one per *unit* (a recording, or a long block where there is only one):
 
@@ -122,7 +122,7 @@ class Evidence:
         return Fits(units * 1.0, inverse, (inverse @ slope[:, :, None])[:, :, 0])
 
     def _make_splits(self) -> tuple[Fits, HeldOut]:
-        """Return what is fitted and what is held out in every split; the last are the verification recordings."""
+        """Fits of all splits, and the units that each holds out; the last are the verification recordings."""
         training = np.flatnonzero(self.is_train)
         self.folds = min(len(training), self.rules.most_folds)
         held = np.zeros((self.folds + (not self.is_train.all()), len(self._units)))
@@ -147,7 +147,7 @@ class Evidence:
         return self._losses[: self.folds]
 
     def portion(self, joints: Sequence[int]) -> float:
-        """Return how much of the weighted squared residual of the training recordings is that of `joints`."""
+        """Share of `joints` in the weighted squared residual of the training recordings."""
         each = self.joint_losses
         return float(each[list(joints)].sum() / each.sum()) if each.any() else 0.0
 
@@ -237,7 +237,7 @@ class Evidence:
         return list(different), back.ravel()
 
     def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float | None = None) -> Float:
-        """Return what the placebos (draws,) of one node gain; those that are shifted alike are fitted once."""
+        """Gains (draws,) of the placebos of one node; those that are shifted alike are fitted once."""
         different, back = self.different_shifts
         grams = self.shifted(columns, node, by=different)
         return np.asarray(self.gain(grams, ridge).total[back])
@@ -247,8 +247,8 @@ class Evidence:
         return Gram(grams.rows[self.is_train], grams.lift)
 
     def exceed(self, grams: Gram, least: float, allowed: Callable[[Float], np.ndarray]) -> np.ndarray:
-        """Return which entries (D,) of Gram blocks of the training units gain `least` or more on units they were not
-        fitted on, with coefficients (D, m) that are `allowed`.
+        """Mask (D,) of the entries of Gram blocks of the training units that gain `least` or more on units they were
+        not fitted on, with coefficients (D, m) that are `allowed`.
 
         On what it was not fitted to a model loses no less than on the same units when they are fitted with the rest.
         So nothing can gain more than a fit to all of them leaves room for, and the others need no splits.
@@ -336,7 +336,7 @@ class Evidence:
         return self._spans[joints]
 
     def gain(self, grams: Gram, ridge: float | None = None) -> Gain:
-        """Return what a candidate with these Gram blocks gains on units it was not fitted on.
+        """Gain of a candidate with these Gram blocks on units it was not fitted on.
 
         `ridge` is relative to the candidate's own Gram matrix, by default next to nothing.
         """
@@ -387,7 +387,7 @@ class Evidence:
         return np.asarray(2.0 * (each.a[:, 0] - np.einsum("p...,rp...->r...", step, each.g[:, :, 0])) - each.h[:, 0, 0])
 
     def step_beside(self, grams: Gram) -> Float:
-        """Return how the model's own numbers move (P, D) when all training units are fitted beside a candidate."""
+        """Steps (P, D) of the model's own numbers when all training units are fitted beside a candidate."""
         return self._together.candidate(grams, self.ridge())[1][0]
 
     def pick(self, grams: Gram, nodes: np.ndarray) -> Gram:

@@ -118,7 +118,7 @@ class Fits:
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """What was not fitted, each of S times: the `units` (S, U) that are one, with G (S, P, P), b (S, P) and c (S,)."""
+    """Units that were not fitted, each of S times (one in `units`, (S, U)), with G (S, P, P), b (S, P) and c (S,)."""
 
     units: Float
     gram: Float
@@ -140,7 +140,7 @@ class HeldOut:
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """What a candidate gains: first entry of axis D is the candidate, the others are placebos.
+    """Gain of a candidate: first entry of axis D is the candidate, the others are placebos.
 
     `folds` (F, D): fall of the weighted loss on each held-out unit; `unseen` (D,) the same on the verification
     recordings (zeros where there are none); `coefficients` (D, m) fitted on all training units.

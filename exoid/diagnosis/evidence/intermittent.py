@@ -76,11 +76,11 @@ class Intermittent:
 
     @property
     def likeness(self) -> str:
-        """What it is told by, in words."""
+        """The sign that it is told by, in words."""
         return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
 
     def sentence(self, joints: Sequence[Joint]) -> str:
-        """Return what acts when, and how large it is, for people."""
+        """The phase in which it acts and how large it is, for people."""
         sizes = [
             ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in zip(joints, part, strict=True))
             for part in (self.torque, self.quiet)
@@ -113,7 +113,7 @@ class _View:
 
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
-    """Return what acts in part of the time of all recordings; None where nothing does, or little is left. An effect may
+    """Torque that acts in part of the time of all recordings; None where nothing does, or little is left. An effect may
     act in part of the time as well, as friction does that some angles lack: it is a rival.
     """
     if np.all(times_noise(base) <= rules.near_noise):
@@ -207,9 +207,9 @@ def _settled(
 
 
 def _lower(losses: Float) -> NDArray[np.bool_]:
-    """Return which of the `losses` (M,) are of the lower kind, if there are two kinds: each is as near as can be to its
-    own mean of logarithms (2-means, which along a line is found exactly). What is hidden in the machine makes the
-    error of the quiet part uneven; what pushes is of another size.
+    """Mask (M,) of the `losses` of the lower kind, if there are two kinds: each is as near as can be to its own mean of
+    logarithms (2-means, which along a line is found exactly). What is hidden in the machine makes the error of the
+    quiet part uneven; what pushes is of another size.
     """
     size = _logarithms(losses)
     ordered, lower = np.sort(size), np.arange(1, len(size))
@@ -223,9 +223,7 @@ def _logarithms(losses: Float) -> Float:
 
 
 def _of_two_kinds(losses: Float, quiet: NDArray[np.bool_]) -> float:
-    """Return what part of the variance of the logarithms of `losses` (M,) is that between the `quiet` ones and the
-    others.
-    """
+    """Share of the variance of the logarithms of `losses` (M,) that lies between the `quiet` ones and the others."""
     size = _logarithms(losses)
     means = np.where(quiet, size[quiet].mean(), size[~quiet].mean())
     return float(np.var(means) / max(float(np.var(size)), 1e-300))
@@ -253,7 +251,7 @@ def _samples(view: _View, first: NDArray[np.int_]) -> NDArray[np.bool_]:
 
 
 def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
-    """Return where it begins and where it ends each time, those at the ends of the recording left out."""
+    """First sample of each time it acts and the first after it; those at the ends of the recording are left out."""
     edges = np.flatnonzero(np.diff(acts.astype(int)))
     begins = [int(k) + 1 for k in edges if not acts[k]]
     ends = [int(k) + 1 for k in edges if acts[k]]
@@ -331,7 +329,7 @@ def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int,
 
 
 def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:
-    """Return which way a foot on the last link moves while it acts and not otherwise, in words; "" for none."""
+    """Direction in which a foot on the last link moves while it acts and not otherwise, in words; "" for none."""
     joints = placed_joints(base.model)
     if len(joints) < 2 or not joints[-1].turns or is_spatial(joints):
         return ""
@@ -356,7 +354,7 @@ def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], 
 
 
 def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]]) -> str:
-    """Return what force on the last link would do this, in words; "" where none would, or one that pulls downwards.
+    """The force on the last link that would do this, in words; "" where none would, or one that pulls downwards.
 
     Two joints are moved by a force at any point of a link alike: it is told for as far along as the link above is long.
     Three tell the point, the one at which a force leaves least.

@@ -1,4 +1,4 @@
-"""Who could have done it just as well: candidates that these data, or any data, cannot tell from the accepted one.
+"""Look-alikes: candidates that these data, or any data, cannot distinguish from the accepted one.
 
 Two candidates are compared on held-out samples, each refitted with everything else. The difference of their losses is
 summed over blocks of a few seconds, longer than the residual remembers; if its sum is within the scatter of the blocks,

@@ -1,4 +1,4 @@
-"""How much of an error is more than noise, whether it comes again when the motion does, and what to do about it."""
+"""The part of an error that is more than noise, whether it comes again when the motion does, and what to do."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
 
 
 def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
-    """Return what a model leaves beyond the noise, at the joint where it is largest; None where it is near the noise.
+    """Error of a model beyond the noise, at the joint where it is largest; None where it is near the noise.
 
     Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
     """
@@ -112,14 +112,14 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
 
 
 def compared(last: FittedModel, j: int, times: float, noise: str = "noise") -> str:
-    """Return how large the error at joint `j` is beside the `noise`; of torques that were filtered nobody knows it."""
+    """Size of the error at joint `j` beside the `noise`, in words; of torques that were filtered nobody knows it."""
     if last.prepared.noise_is_known:
         return f"{times:.2g} times the {noise}"
     return f"{last.evaluation_rms[j]:.3g} {last.model.joints[j].unit('tau')} ({UNKNOWN})"
 
 
 def beside_floor(last: FittedModel) -> str:
-    """Return how large the error is beside the noise floor, at the joint where it is largest."""
+    """Size of the error beside the noise floor, at the joint where it is largest, in words."""
     times = times_noise(last)
     j = index_of_greatest(times)
     return compared(last, j, float(times[j]), "noise floor")

@@ -80,7 +80,7 @@ class OwnSway:
 
     @property
     def advice(self) -> str:
-        """What to do."""
+        """Advice to the person who measures."""
         return advice_at(self.hertz)
 
     @property
@@ -168,7 +168,7 @@ class _Reading:
 
     @property
     def wanted(self) -> list[Float]:
-        """What the changed model leaves (J, K) of every recording."""
+        """Residual (J, K) of the changed model in every recording, sway included."""
         return [block.residual - block.columns @ self.change for block in self.blocks]
 
     @property
@@ -186,7 +186,7 @@ class _Reading:
 
     @property
     def left(self) -> list[Float]:
-        """What is left (J, K) of every recording."""
+        """Residual (J, K) of every recording, with the sway of each half as the other half shows it taken off."""
         each = zip(self.swings, self.wanted, self.weights, strict=True)
         return [wanted - _by_halves(swing, wanted, weight) for swing, wanted, weight in each]
 

@@ -1,4 +1,4 @@
-"""How often chance does as well: the same entry, shifted in time, sent through the same search."""
+"""Placebos, by which chance is judged: the same entry, shifted in time, sent through the same search."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
 def as_good(
     evidence: Evidence, score: Score, columns: Sequence[Columns], search: PlaceboSearch
 ) -> np.ndarray:
-    """Return which placebos (draws,) of a candidate gain as much as it does, in a part of the search.
+    """Mask (draws,) of the placebos of a candidate that gain as much as it does, in a part of the search.
 
     One with a forbidden sign would not have been accepted either.
     """

@@ -1,4 +1,4 @@
-"""What recordings would have shown: the smallest size at which each effect that is not in the model would be accepted.
+"""Power of recordings: the smallest size at which each effect that is not in the model would be accepted.
 
 An effect is imagined beside the model, at its usual shape and with multiples of its usual coefficients. What the error
 on held-out motion would be more by it follows from the Gram blocks, the model refitted; accepted would be what takes
@@ -67,7 +67,7 @@ class Power(AsJson):
 def power_of(
     fitted: FittedModel, evidence: Evidence, library: Library, simulated: Sequence[FittedModel]
 ) -> tuple[Power, ...]:
-    """Return what the recordings of `fitted` would have shown of every candidate of the `library`, in its order.
+    """Power of the recordings of `fitted` to show every candidate of the `library`, in its order.
 
     `evidence` is that against the model `fitted`, `simulated` the same model on recordings that it made itself.
     """
@@ -153,7 +153,7 @@ def _by_chance(evidence: Evidence, columns: Sequence[Columns], node: int) -> flo
 
 
 def power_said(power: Sequence[Power], find: Callable[[str], Effect] = find_effect) -> str:
-    """Return what recordings would not have shown, that of which they say least first, as a sentence; "" where nothing
+    """Effects that recordings would not have shown, that of which they say least first, as a sentence; "" where nothing
     is known.
     """
     hidden = [item for item in power if not item.would_show]

@@ -104,7 +104,7 @@ def force_alone(model: Model, one: PreparedRecording, force: Force, at: float, g
 
 
 def _share_of_column(base: FittedModel, place: int) -> float:
-    """Return what part of the squared error without a parameter's column the column takes off."""
+    """Share of the squared error without a parameter's column that the column takes off."""
     data = base.fit.data
     left = float(np.sum((data.residual(base.linear) * data.use) ** 2))
     basis = factorise(np.delete(data.matrix, place, axis=1)).basis

@@ -164,7 +164,7 @@ def _modes(
 
 @dataclass(frozen=True, eq=False)
 class CurveData:
-    """What curves are evaluated on: the evidence on some of the recordings (`which`, indices)."""
+    """Evidence that curves are evaluated on: that of some of the recordings (`which`, indices)."""
 
     evidence: Evidence
     which: tuple[int, ...]
@@ -180,7 +180,7 @@ class CurveData:
         return [columns[i] for i in self.which]
 
     def gain(self, splines: Sequence[Columns]) -> Gain:
-        """Return what a curve gains."""
+        """Gain of a curve."""
         return self.evidence.gain(self.evidence.plain(self.columns(splines)), self.curve_ridge)
 
 
@@ -202,7 +202,7 @@ def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> list[Curve
 
 
 def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) -> dict[str, Any]:
-    """What a curve gains on the `parts`, at the joint `index`, as fields of a Remainder."""
+    """Gain of a curve on the `parts`, at the joint `index`, as fields of a Remainder."""
     gains = [j.gain(splines.columns) for j in parts]
     fall = sum(float(g.total[0]) for g, j in zip(gains, parts, strict=True) if j.trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in parts if j.trained)

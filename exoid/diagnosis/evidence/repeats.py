@@ -1,4 +1,4 @@
-"""What is left where the motion repeats: what comes again is an error of the model, what does not is noise."""
+"""The residual where the motion repeats: what comes again is an error of the model, what does not is noise."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Repeats:
-    """What is left of the torque in motions that repeat: `share` (J,) of its variance that comes again, `noise` (J,)
+    """The residual of the torque in motions that repeat: `share` (J,) of its variance that comes again, `noise` (J,)
     N·m the RMS of what does not, and between what it was compared (`what`).
     """
 
@@ -32,7 +32,7 @@ class Repeats:
 
 
 def repeats(fitted: FittedModel) -> Repeats | None:
-    """Return how far the residual repeats, from period to period or from run to run; None where no motion repeats."""
+    """Repeats of the residual, from period to period or from run to run; None where no motion repeats."""
     periods = [pair for index in range(len(fitted.residuals)) if (pair := _periods(fitted, index)) is not None]
     if periods:
         return _compared(periods, "from period to period")

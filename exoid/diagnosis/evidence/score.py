@@ -1,4 +1,4 @@
-"""How much a candidate lowers the error of motion it was not fitted on, with coefficients that physics allows."""
+"""Fall of the error of motion that a candidate was not fitted on, with coefficients that physics allows."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ TOGETHER = 10_000
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """What the evidence says about one candidate.
+    """Score of one candidate by the evidence.
 
     `nodes` (R,) index of the shape node in each recording; shares are falls of the weighted loss relative to the
     present model: `share` on held-out training units, `joint_share` that of the joints it acts on alone, `folds` (F,)
@@ -258,7 +258,7 @@ def _choices(evidence: Evidence, candidate: Candidate, grams: Gram, alive: np.nd
 
 
 def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
-    """Return which node (R, D) each recording chooses for itself; D of `grams` is (V, D).
+    """Nodes (R, D) that each recording chooses for itself; D of `grams` is (V, D).
 
     A recording is fitted alone, base and candidate alike. Not where the candidate is a change of the model's torque: a
     delay would hide behind friction that all recordings share. There the model's numbers are those of all recordings,

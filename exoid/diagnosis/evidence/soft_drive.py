@@ -263,7 +263,7 @@ class _Link:
 def _left(
     links: Sequence[_Link], count: int, compliance: float, scale: Float, linear: Float, rounds: int = ROUNDS
 ) -> list[Float]:
-    """Return what is left (J, K) of every recording at the numbers that fit the first `count` best."""
+    """Residual (J, K) of every recording at the numbers that fit the first `count` best."""
     free = np.array([entry.term != links[0].term.name for entry in links[0].model.parameters])
     linear = np.where(free, linear, 0.0)  # the twist is not in the model a second time
     for _ in range(rounds):

@@ -41,7 +41,7 @@ def origins(prepared: Prepared, part: Prepared) -> tuple[int, ...]:
 
 
 def searched(prepared: Prepared, part: Prepared, rules: Rules = RULES) -> tuple[Finding, ...]:
-    """Return what a report must say about it: nothing where everything was searched."""
+    """Finding that only stretches of the recordings were searched; () where everything was."""
     if part is prepared:
         return ()
     whole, seen = (sum(_seconds(item) for item in p.all) for p in (prepared, part))

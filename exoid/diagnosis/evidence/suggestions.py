@@ -65,7 +65,7 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
 
 
 def _least_squares(misfit: Callable[[Float], Float], low: Float, high: Float) -> tuple[Float, float]:
-    """Return where between `low` and `high` (S,) the sum of squares of `misfit`, which takes (S, ...), is lowest, and
+    """Point between `low` and `high` (S,) where the sum of squares of `misfit`, which takes (S, ...), is lowest, and
     that sum.
 
     From the best of a grid at narrow, middling and wide widths. SciPy's `least_squares` is the check on it in the

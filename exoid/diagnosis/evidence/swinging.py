@@ -1,4 +1,4 @@
-"""What swings at one frequency in every recording, whatever the motion: a base that oscillates, an engine, a fan.
+"""A swing at one frequency in every recording, whatever the motion: a base that oscillates, an engine, a fan.
 
 Where its phase differs from recording to recording, no function of motion and common clock can describe it.
 """
@@ -36,7 +36,7 @@ class Swing:
 
     @property
     def sentence(self) -> str:
-        """What it is, in words."""
+        """The swing in words: its share, joint and frequency."""
         return (
             f"at least {100 * self.share:.0f} % of what is left at the {self.joint} swings at {self.hertz:.2g} Hz in "
             "every recording, whatever the motion: does the base oscillate, each time with another phase?"
@@ -44,12 +44,12 @@ class Swing:
 
     @property
     def advice(self) -> str:
-        """What to do."""
+        """Advice to the person who measures."""
         return advice_at(self.hertz)
 
 
 def advice_at(hertz: float) -> str:
-    """Return what to do about what swings at `hertz`."""
+    """Advice about what swings at `hertz`."""
     return (
         f"clamp the base, or find what moves at {hertz:.2g} Hz; if it cannot be stopped, "
         "measure the motion of the base; base_motion describes a sway of the same size in every recording"

@@ -76,7 +76,7 @@ def _shifted(tau: Float, samples: float) -> Float:
 
 
 def _without_lag(tau: Float, samples: float) -> Float:
-    """Return what a filter of first order with a time constant of so many samples has made `tau` (N, J) of."""
+    """Torque (N, J) of which a filter of first order with a time constant of so many samples has made `tau`."""
     pole = np.exp(-1.0 / samples)
     return np.concatenate([tau[:1], (tau[1:] - pole * tau[:-1]) / (1.0 - pole)])
 
@@ -92,7 +92,7 @@ class FilterOnTorque:
 
     @property
     def name(self) -> str:
-        """What it is, in words."""
+        """The filter and its frequency in words."""
         return f"a filter of first order on the torque ({self.hertz:.2g} Hz)"
 
 
@@ -165,18 +165,18 @@ class _Readings:
 
     @cached_property
     def now(self) -> Float:
-        """What is left (J,) as they are, at most all: numbers that suit another joint can be worse than none."""
+        """Share left (J,) with the torques as they are, at most all: numbers for another joint can be worse than none."""
         return np.minimum(self.left(None), 1.0)
 
     @cached_property
     def coarse(self) -> dict[str, dict[float, Float]]:
-        """What is left (J,) with all torques changed, of every kind and at the seconds that are tried."""
+        """Share left (J,) with all torques changed, by kind and by the seconds that are tried."""
         tried = [(kind, value) for kind, (_, values) in CHANGES.items() for value in values]
         found = dict(zip(tried, self._each(tried, None), strict=True))
         return {kind: {value: found[kind, value] for value in sorted(values)} for kind, (_, values) in CHANGES.items()}
 
     def _each(self, tried: Sequence[tuple[str, float]], which: np.ndarray | None) -> list[Float]:
-        """Return what is left (J,) with the torques of `which` changed in each of the ways `tried` (kind, seconds)."""
+        """Shares left (J,) with the torques of `which` changed, for each of the ways `tried` (kind, seconds)."""
         return [self.left(CHANGES[kind][0], value, which) for kind, value in tried]
 
     def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:

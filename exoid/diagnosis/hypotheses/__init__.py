@@ -1,4 +1,4 @@
-"""What else than an effect may be the matter: one file per hypothesis, found by reading the folder.
+"""Hypotheses of something other than an effect: one file each, found by reading the folder.
 
 A hypothesis changes the *prediction*, never the measured torque: it proposes columns that are added to the model's
 torque, each times a number that belongs to a recording (the zero of its torque sensor) or to some recordings together

@@ -1,4 +1,4 @@
-"""Where something changes within a recording: a load is taken up, a zero jumps, a drive warms up and moves easier."""
+"""Changes within a recording: a load is taken up, a zero jumps, a drive warms up and moves easier."""
 
 from __future__ import annotations
 

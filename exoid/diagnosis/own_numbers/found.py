@@ -28,7 +28,7 @@ FINER = 3
 
 
 def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
-    """What belongs to recordings, or to a part of them, beside a model; None where nothing does."""
+    """Numbers that belong to recordings, or to a part of them, beside a model; None where none do."""
     names = [item.name for item in now.prepared.all]
     if len(set(names)) < len(names) or len(names) > rules.own_recordings:
         return None

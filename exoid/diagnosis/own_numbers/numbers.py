@@ -1,4 +1,4 @@
-"""What belongs to recordings, with its numbers: told with their intervals, and taken out of recordings."""
+"""Numbers that belong to recordings: told with their intervals, and taken out of recordings."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Span = tuple[float | None, float | None]
 
 @dataclass(frozen=True, eq=False)
 class Belonging(AsJson):
-    """What belongs to recordings: `values` {recording: its number} in `unit`, at a joint or link, as a `sentence`.
+    """Numbers that belong to recordings: `values` {recording: its own} in `unit`, at a joint or link, as a `sentence`.
 
     Those that are not named are as usual. `place` is where a load is, m; None where it has none or nobody can tell.
     `spans` {recording: (from, until)} in s are those of recordings of which it holds in one part only.
@@ -60,9 +60,9 @@ class Belonging(AsJson):
 
 @dataclass(frozen=True, eq=False)
 class OwnNumbers:
-    """What belongs to recordings beside the model `now`: the claims that are `held` of `parts` of them, their `numbers`
-    (C,), and for each part those (2, C) by which its two halves are judged. Factors are those of the model's torque at
-    its `linear` numbers (P,).
+    """Numbers that belong to recordings beside the model `now`: the claims that are `held` of `parts` of them, their
+    `numbers` (C,), and for each part those (2, C) by which its two halves are judged. Factors are those of the model's
+    torque at its `linear` numbers (P,).
     """
 
     now: FittedModel
@@ -115,7 +115,7 @@ class OwnNumbers:
         return one.keys() == two.keys() and all(two[k].low <= e.value <= two[k].high for k, e in one.items())
 
     def without(self, names: Sequence[str]) -> tuple[Belonging, ...]:
-        """What is told of the recordings that are not among `names`."""
+        """Statements about the recordings that are not among `names`."""
         kept = (replace(b, values={n: e for n, e in b.values.items() if n not in names}) for b in self.told)
         return tuple(b for b in kept if b.values)
 
@@ -174,7 +174,7 @@ class _Spread:
 
 
 def _spread(fits: Fits, state: State, step: Float) -> _Spread:
-    """How well numbers and places are known, valid under autocorrelation."""
+    """Uncertainty of numbers and places, valid under autocorrelation."""
     left = fits.left_by(state, [step, step])
     sigma = pooled_scale(list(zip(left, fits.use, strict=True)))
     groups = [(held, group) for held in state for group in held.groups]
@@ -200,7 +200,7 @@ def _spread(fits: Fits, state: State, step: Float) -> _Spread:
 
 
 def _told(fits: Fits, held: Claimed, numbers: Float, spread: _Spread, at: int) -> list[Belonging]:
-    """What a claim says of whole recordings, of what comes before a change, and after one: each by itself."""
+    """Statements of a claim about whole recordings, about what comes before a change, and after one: each by itself."""
     claim, prepared = held.claim, fits.now.prepared
     known = [spread.number(at + k) for k in range(len(numbers))]
     unit, place = claim.unit, None

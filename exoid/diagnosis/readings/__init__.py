@@ -39,12 +39,12 @@ def is_reading(name: str) -> bool:
 
 
 def reading_said(name: str) -> str:
-    """Return what a reading is, in words."""
+    """Title of a reading, in words."""
     return str(_readings()[name.partition(":")[0]].EFFECT.title.lower())
 
 
 def reading_doubt(fit: Fit, name: str) -> Doubt:
-    """Return what is to be said where the reading called `name` was accepted, by a fit in which it is."""
+    """Doubt where the reading called `name` was accepted, by a fit in which it is."""
     found: Doubt = _readings()[name.partition(":")[0]].what_is_wrong(fit, name)
     return found
 

@@ -58,13 +58,13 @@ def change(fit: Fit, name: str) -> float:
 
 
 def _change(fit: Fit, name: str) -> tuple[Estimate, Joint]:
-    """Return what a link is longer than the model says, m, and the link."""
+    """Length in m by which a link is longer than the model says, and the link."""
     more = {estimate.name: estimate for estimate in fit.estimates}[f"{name}.more"]
     return more, next(joint for joint in fit.model.joints if name == f"{EFFECT.id}:{joint.name}")
 
 
 def what_is_wrong(fit: Fit, name: str) -> Doubt:
-    """Return which length the recordings want, by a fit in which the entry called `name` is."""
+    """Doubt about the length, with the one that the recordings want, by a fit in which the entry called `name` is."""
     more, link = _change(fit, name)
     assumed = float(link.length or 0.0)
     value, low, high = (assumed + x for x in (more.value, more.low, more.high))

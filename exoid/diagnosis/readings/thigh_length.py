@@ -46,7 +46,7 @@ def _lengths(fit: Fit, name: str) -> tuple[float, float, float]:
 
 
 def what_is_wrong(fit: Fit, name: str) -> Doubt:
-    """Return which length the recordings want, by a fit in which the entry called `name` is."""
+    """Doubt about the length, with the one that the recordings want, by a fit in which the entry called `name` is."""
     value, low, high = _lengths(fit, name)
     return Doubt(
         f"another thigh length, {value:.3g} m, explains more than every entry of the catalogue, and more than its own "

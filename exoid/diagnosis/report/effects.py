@@ -1,4 +1,4 @@
-"""What a report says about an effect: its name in words, its torque, what it means and what distinguishes it."""
+"""Description of an effect in a report: its name in words, its torque, what it means and what distinguishes it."""
 
 from __future__ import annotations
 

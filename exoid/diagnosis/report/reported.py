@@ -16,7 +16,7 @@ class Reported(AsJson):
 
     @abstractmethod
     def material(self) -> Material:
-        """Return what the report draws on, the recordings apart."""
+        """Material that the report draws on, the recordings apart."""
 
     def report(self, folder: str | Path = "exoid-report") -> Path:
         """Write the report into `folder`, made where there is none, and return the path of the page.

@@ -1,4 +1,4 @@
-"""Which candidate to add: the significant ones are compared after a refit of everything.
+"""Choice of the candidate to add: the significant ones are compared after a refit of everything.
 
 What noise of the angles makes is no effect.
 """

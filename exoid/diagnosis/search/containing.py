@@ -24,7 +24,7 @@ TOLD = 1e-7
 
 
 class _Beside:
-    """What is new in columns beside the present model, on fitted recordings, `every` of them by its index."""
+    """New part of columns beside the present model, on fitted recordings, `every` of them by its index."""
 
     def __init__(self, evidence: Evidence, every: Sequence[int]) -> None:
         blocks, self._every = evidence.blocks, every
@@ -66,7 +66,7 @@ _KEPT: WeakKeyDictionary[Evidence, tuple[_Beside, _Beside]] = WeakKeyDictionary(
 
 
 def _beside(evidence: Evidence) -> tuple[_Beside, _Beside]:
-    """Return what is new on the first recording that shows anything, and on all: what the former cannot be, the latter
+    """New parts on the first recording that shows anything, and on all: what the former cannot be, the latter
     cannot.
     """
     if evidence not in _KEPT:

@@ -1,4 +1,4 @@
-"""What stays the same during one search, and the few operations that every move is made of."""
+"""Context that stays the same during one search, and the few operations that every move is made of."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What speaks against a term after the refit, however much it gains: its parameters, and what it leaves."""
+"""Objections to a term after the refit, however much it gains: its parameters, and what it leaves."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
 
 
 def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
-    """Return which parameter of the term `name` sits on a bound, and what that would mean."""
+    """Parameter of the term `name` that sits on a bound, and what that would mean, in words; "" where none does."""
     for entry, value in zip(fitted.model.shapes, fitted.shape, strict=True):
         shape = entry.shape
         if entry.term != name or shape.choices or shape.per_recording:

@@ -22,7 +22,7 @@ from exoid.diagnosis.search.take_back import left_over, take_back
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a search ended with: its last state, and the candidates as ranked against the model that was given."""
+    """End of a search: its last state, and the candidates as ranked against the model that was given."""
 
     state: State
     first: tuple[Score, ...]

@@ -1,4 +1,4 @@
-"""What a finished search says about stability: the splits that accept each term, and what else is only possible."""
+"""Stability of a finished search: the splits that accept each term, and what else is only possible."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def agreements_of(context: SearchContext, state: State) -> dict[str, Agreement]:
 
 
 def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Possible, ...]:
-    """Return what still helps beside the last model and is not accepted, largest gain first.
+    """Candidates that still help beside the last model and are not accepted, largest gain first.
 
     It was doubted after the refit, or too few splits support it; with a single recording (not `several`) only the
     former. In few splits anything flexible helps now and then: such an entry must also do better than its placebos.
@@ -63,8 +63,8 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
 
 
 def leading_of(context: SearchContext, state: State, first: Sequence[Score], before: Float) -> Possible | None:
-    """Return what leads the candidates against the model that was given and was not accepted, with the reason; None
-    where nothing is worth telling. `before` (J,) is the error of that model, N·m.
+    """Leader of the candidates against the model that was given, if it was not accepted, with the reason; None where
+    nothing is worth telling. `before` (J,) is the error of that model, N·m.
     """
     floor, told = context.prepared.noise_floor, [score for score in first if not is_reading(score.name)]
     shares = [share_of_own_joints(score, before, floor) for score in told]

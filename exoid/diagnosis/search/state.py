@@ -1,4 +1,4 @@
-"""What a search has reached: models, each with one term more than the one before, and what is ruled out."""
+"""State of a search: models, each with one term more than the one before, and what is ruled out."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Extension:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where a search stands. Moves return another one.
+    """State of a search. Moves return another one.
 
     `extensions` begin with the model that was given. `banned` candidates turned out to be proxies and are not tried
     again; `dropped` ones became superfluous beside others, `unsteady` ones too few splits support. `left` is what the

@@ -33,7 +33,7 @@ def take_back(context: SearchContext, state: State) -> State:
 
 
 def left_over(context: SearchContext, extension: Extension) -> Remainder | None:
-    """Return what the model of `extension` leaves, if that is significant, with suggested closed forms."""
+    """Remainder of the model of `extension` with suggested closed forms; None where none is significant."""
     if little_motion(context.prepared, context.rules):  # a free curve looks as real there as any effect
         return None
     context.tick(0.88, "looking at what is left")

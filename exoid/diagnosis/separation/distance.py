@@ -1,4 +1,4 @@
-"""How many standard deviations of the noise lie between rival effects on a motion, everything else refitted.
+"""Distance of rival effects on a motion, in standard deviations of the noise, everything else refitted.
 
 One rival is taken for the truth, with its numbers; the other is fitted to the torque that truth makes, together with
 all base parameters and every shape parameter:
@@ -110,7 +110,7 @@ def planned(
 
 
 def _stuck(motion: Motion, joints: Sequence[Joint], near: int) -> Bool:
-    """Return where each joint may stick (J, N), and `near` samples around it."""
+    """Mask (J, N) of the samples at which each joint may stick, and of `near` samples around them."""
     return sticking(motion.dq, reaches(joints), near).T
 
 
@@ -192,7 +192,7 @@ def nodes(model: Model, start: Float, most: int) -> list[Float]:
 
 
 def _range(model: Model, place: int) -> tuple[float, float]:
-    """Return where on a joint's range a position may be looked for."""
+    """Ends of the part of a joint's range in which a position may be looked for."""
     entry = model.shapes[place]
     low, high = model.motion_limits[entry.term.partition(":")[2]].angle
     return max(entry.shape.min, low), min(entry.shape.max, high)
@@ -200,7 +200,7 @@ def _range(model: Model, place: int) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class Distances:
-    """How far apart `truths` are on motions of `duration` s, for each (truth, rival) of `pairs`, in units of the noise.
+    """Distances of `truths` on motions of `duration` s, for each (truth, rival) of `pairs`, in units of the noise.
 
     By full refits, or cheap and rough for a search: on one period, few samples, shapes on a coarse grid.
     """
@@ -223,7 +223,7 @@ class Distances:
 
     @property
     def payload(self) -> Float | None:
-        """What the limb of its wearer adds to the machine; None without one."""
+        """Payload that the limb of its wearer is for the machine; None without one."""
         model = self.truths[0].model
         return None if model.wearer is None else model.wearer.added(model)
 

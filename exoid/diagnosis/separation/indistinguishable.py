@@ -76,7 +76,7 @@ def same_torques(base: Model, rivals: Sequence[Term]) -> tuple[Same, ...]:
 
 
 def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
-    """Return what else distinguishes two rivals (or one from the model): computed, then the catalogue's."""
+    """Other ways to distinguish two rivals (or one from the model), in words: computed, then the catalogue's."""
     out = []
     last = "shank" if not base.chain else base.joint_names[-1]
     for text, load, lean in (

@@ -1,4 +1,4 @@
-"""What the design of a separating experiment returns."""
+"""Result of the design of a separating experiment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the design of a motion that distinguishes rivals may be told."""
+"""Settings of the design of a motion that distinguishes rivals."""
 
 from __future__ import annotations
 

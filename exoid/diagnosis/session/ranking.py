@@ -37,7 +37,7 @@ RIVALS = 8
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """What would be left beside a candidate: residuals (J, K) N·m of every recording, RMS (J,) N·m.
+    """Error that would be left beside a candidate: residuals (J, K) N·m of every recording, RMS (J,) N·m.
 
     Linear about the present numbers, which are refitted with it; shape values are the best that were tried.
     """
@@ -73,7 +73,7 @@ class Ranking:
 
     @cached_property
     def evidence(self) -> Evidence:
-        """What the candidates are weighed with."""
+        """Evidence that the candidates are weighed with."""
         return self.fitted.evidence(seed=self.seed, rules=self.rules)
 
     @property
@@ -111,7 +111,7 @@ class Ranking:
         self.finished = True
 
     def trial(self, name: str) -> Trial | None:
-        """Return what would be left beside a candidate; None where it is not weighed (yet)."""
+        """Error that would be left beside a candidate; None where it is not weighed (yet)."""
         if name not in self._scores:
             return None
         if name not in self._trials:
@@ -128,8 +128,8 @@ class Ranking:
         return tuple(look_alikes(self.evidence, pairs[0], pairs[1:]))
 
     def sureness(self, name: str) -> str:
-        """Return how sure it is that this one is missing, of the leader when all placebos were asked; "" of the others,
-        which may do no more than follow it.
+        """Certainty that this one is missing, of the leader when all placebos were asked; "" of the others, which may
+        do no more than follow it.
         """
         if not self.finished or not self.scores or self.scores[0].name != name:
             return ""

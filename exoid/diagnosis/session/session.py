@@ -42,7 +42,7 @@ Names = Sequence[str]
 
 
 class Session:
-    """What is known of recordings while somebody works with them; fits and rankings are kept.
+    """Session of somebody who works with recordings; fits and rankings are kept.
 
     `recordings` are fitted, `verify` never; `settings`, or the same names as keywords, are those of `discover`. Nothing
     is computed before it is asked for; errors are those of `prepare` and `identify`.
@@ -88,7 +88,7 @@ class Session:
 
     @cached_property
     def searched(self) -> Prepared:
-        """What suspects are looked for in: the recordings, or stretches of long ones."""
+        """Recordings in which suspects are looked for, or stretches of long ones."""
         return searched_stretches(self.prepared, self.rules)
 
     @cached_property
@@ -183,7 +183,7 @@ class Session:
         return compare_prepared(self.fitted(names).fit, self.prepared)
 
     def error(self, names: Names = ()) -> ModelError | None:
-        """Return what the model with these effects leaves beyond the noise; None where it is near the noise."""
+        """Error of the model with these effects beyond the noise; None where it is near the noise."""
         return model_error(self.fitted(names), self.rules)
 
     def discover(
@@ -210,7 +210,7 @@ class Session:
         return Session(self.model, self.recordings, self.verify, asked, prepared=self.prepared)
 
     def _start(self, model: Model) -> Float | None:
-        """Return where the search for shape values begins: None where one of them was never found."""
+        """Shape values at which their search begins; None where one of them was never found."""
         columns = [self._shapes.get(entry.name) for entry in model.shapes]
         found = [column for column in columns if column is not None]
         if not found or len(found) < len(columns):

@@ -96,7 +96,7 @@ class Refinement:
 
     @cached_property
     def _edge(self) -> Float:
-        """How far coordinates may go (n,): an offset between its limits, a coefficient as far as the limits let it."""
+        """Limits of coordinates (n,): an offset between its limits, a coefficient as far as the limits let it."""
         edge = np.full(self.space.size, np.inf)
         if self.space.centre is None:
             edge[-len(self.space.limits) :] = 1.0

@@ -220,8 +220,8 @@ def settle(
 
 
 def _extrapolated(tried: Sequence[tuple[Float, Float]], forward: Float) -> Float:
-    """Return where the fixed point (P,) of a map is, judged by rounds of it (P,) -> (P,), the last of them the nearest;
-    distances are measured by the torques that `forward` makes of parameters.
+    """Fixed point (P,) of a map, judged by rounds of it (P,) -> (P,), the last of them the nearest; distances
+    are measured by the torques that `forward` makes of parameters.
     """
     start, end = tried[-1]
     if len(tried) == 1:

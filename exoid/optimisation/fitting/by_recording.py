@@ -1,4 +1,4 @@
-"""Which numbers can be trusted? Every parameter from every recording alone, with intervals, and whether they agree.
+"""Trust in numbers: every parameter from every recording alone, with intervals, and whether they agree.
 
 A recording that excites a parameter gives it a short interval. Where the intervals of several contradict each other the
 model is wrong in a way that differs between recordings, and the interval of the joint fit, which only knows noise, is

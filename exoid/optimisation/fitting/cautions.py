@@ -1,4 +1,4 @@
-"""What has to be said beside the numbers of a fit: no rank, no proof, an edge that was reached, what physics cost."""
+"""Cautions beside the numbers of a fit: no rank, no proof, an edge that was reached, what physics cost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from exoid.symbolic.motion import Float
 
 
 def numerical(model: Model, found: Settled, shape: Float, searched: bool) -> list[Finding]:
-    """Return what went wrong in the computation: no rank, no fixed point, a shape at its bound."""
+    """Findings of what went wrong in the computation: no rank, no fixed point, a shape at its bound."""
     cautions = []
     factor = found.data.factor
     if factor.unexcited:
@@ -83,7 +83,7 @@ def price(model: Model, held: Held | None, linear: Float, half: Float) -> list[F
 
 
 def held(found: Settled, delta: Float, possible: Physics) -> Held:
-    """Return what asking for a machine that could exist has changed in `found`."""
+    """Change that asking for a machine that could exist has made in `found`."""
     free = solve_huber(found.data, delta, found.linear)
     broken = possible.broken(free)
     least = huber(found.data.residual(free), delta)

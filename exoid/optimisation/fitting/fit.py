@@ -1,4 +1,4 @@
-"""What an identification returns: numbers with units, intervals, proof, and what to be careful about."""
+"""Result of an identification: numbers with units, intervals, proof, and what to be careful about."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Fit(AsJson):
 
     @property
     def shapes_known(self) -> str:
-        """How well the shape parameters are known, in words; empty for a model without any."""
+        """Certainty of the shape parameters, in words; empty for a model without any."""
         if not self.best_known:
             return ""
         text = "shape parameters: best known of a wide and of local searches, not proven"

@@ -185,8 +185,8 @@ def _scope(model: Model, given: bool) -> str:
 
 @dataclass(frozen=True)
 class _Proof:
-    """How both stages are solved and proven: the optimisers by name, their seed, what the certificate holds for, and
-    the conditions of a leg that could exist, if asked for.
+    """Solution and proof of both stages: the optimisers by name, their seed, what the certificate holds for, and the
+    conditions of a leg that could exist, if asked for.
     """
 
     searches: Mapping[str, Search]
@@ -233,5 +233,5 @@ _Solved = tuple[Certificate, dict[str, OptimiserRun], Reference | None]
 
 
 def _gap(loss: float, certificate: Certificate) -> float:
-    """Return how far `loss` is above the certified one, relative to it."""
+    """Distance of `loss` above the certified one, relative to it."""
     return (loss - certificate.primal) / max(certificate.primal, np.finfo(float).tiny)

@@ -88,7 +88,7 @@ def _fit_own(
 def _own_losses(
     model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int, delta: Float
 ) -> Callable[[Float], Float]:
-    """Return what gives the Huber losses (V,) on one recording at V values of shape `index`, everything else held;
+    """Function that gives the Huber losses (V,) on one recording at V values of shape `index`, everything else held;
     torques pass the filter, not columns: it is linear.
     """
     still, joints, moving = model.moving_torque(one.motion, linear, shape, index)
@@ -213,7 +213,7 @@ def shape_joint(model: Model, entry: Any) -> int:
 
 
 def reach(model: Model, prepared: Sequence[PreparedRecording]) -> Float:
-    """Return how far (S,) a shape value may move in one sweep: a grid step, or a tenth of the joint's path."""
+    """Farthest move (S,) of a shape value in one sweep: a grid step, or a tenth of the joint's path."""
     out = []
     for entry in model.shapes:
         shape = entry.shape

@@ -53,11 +53,11 @@ class Neighbours:
 
     @property
     def agree(self) -> bool:
-        """Whether every parameter stays within its interval."""
+        """True if every parameter stays within its interval."""
         return not self.moved
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return what to be careful about; nothing where they agree."""
+        """Findings that call for care; none where they agree."""
         at = {e.name: e for e in self.fit.estimates}
         remedy = "do not trust its interval: something is missing or noise reaches the accelerations; `exoid diagnose`"
         found = []

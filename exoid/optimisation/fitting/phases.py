@@ -55,7 +55,7 @@ def with_phases(assembly: Assembly, begun: Float, reference: Float, searched: bo
 
 
 def _left(assembly: Assembly, nodes: Float, reference: Float) -> Float:
-    """Return what recordings, each fitted alone, leave of all (V,) at shape values `nodes` (V, S)."""
+    """Squared error (V,) that recordings, each fitted alone, leave together at shape values `nodes` (V, S)."""
     alone = [Assembly(assembly.model, [one]).sse_at(nodes, reference) for one in assembly.prepared]
     known = [left for left in alone if left is not None]
     if len(known) == len(alone):

@@ -26,8 +26,7 @@ POSTURES = 300
 def check_plausibility(
     model: Model, linear: Float, estimates: Sequence[Estimate], shape: Float | None = None, *, realisable: bool = False
 ) -> tuple[Finding, ...]:
-    """Return what is physically doubtful about `linear` (P,) with shape values (S,); nothing when all is
-    well.
+    """Findings of what is physically doubtful about `linear` (P,) with shape values (S,); none when all is well.
 
     `estimates` give the intervals: a value whose interval reaches the bound is called indistinguishable
     from it. `realisable` says that positive masses are known to have these numbers: at the edge of what is possible

@@ -1,4 +1,4 @@
-"""What the fit of a model may be told."""
+"""Settings of the fit of a model."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class FitOptions(TypedDict, total=False):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FitSettings(VerbSettings):
-    """How a model is fitted."""
+    """Settings of a fit."""
 
     optimisers: Mapping[str, Search] | tuple[()] | None = setting(
         None, "who solves the problems beside the exact solution, {name: Search}; () for no NFO and no IPOPT"

@@ -22,7 +22,7 @@ FULL_STARTS, FULL_APART = 6, 0.08
 
 
 def shape_method(name: str, full: bool, seed: int) -> ShapeMethod:
-    """Return how shapes are searched; refuses a name that is neither "multistart" nor an optimiser."""
+    """Method by which shapes are searched; refuses a name that is neither "multistart" nor an optimiser."""
     known = {} if name == MULTISTART else optimiser_kinds()
     if name != MULTISTART and name not in known:
         what = f"there is no way to search shapes called {name!r}"

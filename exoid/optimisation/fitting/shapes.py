@@ -56,7 +56,7 @@ class ShapeSearch:
 
     @property
     def agreeing(self) -> tuple[int, int]:
-        """How many starts ended at the best value, and how many there were."""
+        """Number of starts that ended at the best value, and number of all starts."""
         return int(np.count_nonzero(self._same)), len(self.reached)
 
     @property
@@ -70,7 +70,7 @@ class ShapeSearch:
 
 
 def to_unit(shape: Shape, value: float) -> float:
-    """Return where `value` lies between the bounds of `shape`, 0 to 1, in its declared spacing."""
+    """Place of `value` between the bounds of `shape`, 0 to 1, in its declared spacing."""
     if shape.spacing == "log":
         return float(np.log(value / shape.min) / np.log(shape.max / shape.min))
     return (value - shape.min) / (shape.max - shape.min)
@@ -133,7 +133,7 @@ def _valleys(values: Float, shapes: Sequence[Shape], lengths: Sequence[int]) -> 
 
 @dataclass(frozen=True)
 class ShapeMethod:
-    """How shapes are searched: by the grid, or by `optimiser`; of `starts` valleys found, `refined` (all) are refined.
+    """Method of the shape search: the grid, or `optimiser`; of `starts` valleys found, `refined` (all) are refined.
 
     `apart` is how far from each other these begin, as a share of the ranges, 0 for valleys of the grid; `seed` is that
     of the optimiser.

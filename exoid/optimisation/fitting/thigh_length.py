@@ -1,4 +1,4 @@
-"""Which thigh length do the data want? The leg's equations contain it, so recordings of good motion can tell.
+"""Thigh length that the data want. The leg's equations contain it, so recordings of good motion can tell.
 
 The weight of the shank and its coupling with the thigh have the ratio e = g / a_th. With a weight of its own for the
 shank (one more column, sin(θ1 + θ2) on both joints) the torque stays linear, and the ratio of both numbers is the thigh
@@ -55,12 +55,12 @@ class ThighLength(AsJson):
 
     @property
     def told(self) -> bool:
-        """Whether these data can tell the length."""
+        """True if these data can tell the length."""
         return math.isfinite(self.value) and 0.0 < self.high < VAGUE * self.low
 
     @property
     def wrong(self) -> bool:
-        """Whether the data contradict the length that was assumed."""
+        """True if the data contradict the length that was assumed."""
         outside = not self.low <= self.assumed <= self.high
         far = abs(self.value - self.assumed) > FAR * self.assumed
         return self.told and outside and far and max(self.gain) > HELPS
@@ -93,7 +93,7 @@ class ThighLength(AsJson):
 
 
 def has_a_length(model: Model, prepared: Prepared) -> bool:
-    """Whether a model has a thigh length that recordings may tell: the leg without a payload and without forces."""
+    """True if a model has a thigh length that recordings may tell: the leg without a payload and without forces."""
     loaded = bool(model.forces) or any(one.motion.payload is not None for one in prepared.train)
     return not (prepared.misread or model.chain or loaded)
 

@@ -1,4 +1,4 @@
-"""What is searched: the linear data of a fit, and the box in which an optimiser may look.
+"""The problem that is searched: the linear data of a fit, and the box in which an optimiser may look.
 
 The rule for the box, so that it contains the optimum by construction and nobody has to guess bounds:
 
@@ -126,7 +126,7 @@ class LinearData:
 
 @dataclass(frozen=True, eq=False)
 class Ball:
-    """Where the optimum must be: |z - centre| ≤ radius with z = WΦ (`factor`)."""
+    """Ball that holds the optimum: |z - centre| ≤ radius with z = WΦ (`factor`)."""
 
     factor: Factor
     centre: Float

@@ -49,7 +49,7 @@ BAND = 3.0
 
 @dataclass(frozen=True)
 class ClockRate:
-    """How much faster the torques' clock runs in one recording (`rate`, 0.002 is 0.2 %) with its standard `error`; the
+    """Excess speed of the torques' clock in one recording (`rate`, 0.002 is 0.2 %) with its standard `error`; the
     `share` that it explains of what is left, and how long the recording is. `late` is by how many s the torques come
     late in its middle, likewise.
     """

@@ -1,4 +1,4 @@
-"""What no model can get below: noise of the torque and of the angles, and what filter and derivatives get wrong."""
+"""Floor that no model can get below: noise of torque and angles, and what filter and derivatives get wrong."""
 
 from __future__ import annotations
 

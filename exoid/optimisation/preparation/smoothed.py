@@ -35,8 +35,8 @@ SENSOR = threshold(
 def smoothed_findings(
     names: Sequence[str], even: Sequence[UniformSignals], joints: Sequence[Joint]
 ) -> tuple[Finding, ...]:
-    """Return which angles and torques of the recordings called `names` hold no sensor's noise: of all recordings, so
-    that a short one does not speak for the others.
+    """Findings of angles and torques of the recordings called `names` that hold no sensor's noise: of all recordings,
+    so that a short one does not speak for the others.
     """
     reach = np.array([joint.reach for joint in joints])
     moves = np.min([np.ptp(one.q, axis=0) for one in even], axis=0) > 1e-3 * reach

@@ -1,4 +1,4 @@
-"""Which way joints move, and whether: where one sticks dry friction takes any value, and no function of motion does."""
+"""Direction of joints, and where they stick: dry friction takes any value there, and no function of motion does."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the audit of the recordings found and repaired."""
+"""Findings and repairs of the audit of the recordings."""
 
 from __future__ import annotations
 

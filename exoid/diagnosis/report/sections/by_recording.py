@@ -1,4 +1,4 @@
-"""Which numbers can be trusted: every parameter from every recording alone."""
+"""Trust in numbers: every parameter from every recording alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What cannot be distinguished from what: by these recordings, by any motion at all, and the experiment that would."""
+"""Look-alikes: on these recordings, or on any motion at all, and the experiment that would distinguish them."""
 
 from __future__ import annotations
 

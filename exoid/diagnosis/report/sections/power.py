@@ -1,4 +1,4 @@
-"""What would have shown: from which size on each effect of the catalogue would have been found, where nothing was."""
+"""Power of the recordings: the size from which on each effect of the catalogue would have been found."""
 
 from __future__ import annotations
 

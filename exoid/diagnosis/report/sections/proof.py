@@ -1,4 +1,4 @@
-"""How near each optimiser came to the proven optimum."""
+"""Distance of each optimiser from the proven optimum."""
 
 from __future__ import annotations
 

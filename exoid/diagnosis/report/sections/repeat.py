@@ -1,4 +1,4 @@
-"""What is needed to get the same result again: command, settings, model, versions."""
+"""Data needed to get the same result again: command, settings, model, versions."""
 
 from __future__ import annotations
 

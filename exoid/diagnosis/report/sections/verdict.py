@@ -89,7 +89,7 @@ def numbers(parameters: Mapping[str, Mapping[str, Any]], effect: Any) -> list[Ma
 
 
 def title(name: str, model: Any) -> str:
-    """Return what an effect such as "stribeck:knee" is called."""
+    """Title in words of an effect such as "stribeck:knee"; the name itself where nobody knows the effect."""
     effect = effect_of(name, model)
     return name if effect is None else title_of(effect, name.partition(":")[2] or None)
 

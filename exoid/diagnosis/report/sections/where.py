@@ -1,4 +1,4 @@
-"""How large the error is, and where it sits: joint, variable, share."""
+"""Size of the error and its place: joint, variable, share."""
 
 from __future__ import annotations
 
