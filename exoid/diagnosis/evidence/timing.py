@@ -165,7 +165,7 @@ class _Readings:
 
     @cached_property
     def now(self) -> Float:
-        """Share left (J,) with the torques as they are, at most all: numbers for another joint can be worse than none."""
+        """Share left (J,) of the torques as they are, at most all: numbers of another joint can be worse than none."""
         return np.minimum(self.left(None), 1.0)
 
     @cached_property
