@@ -99,10 +99,10 @@ def match(hidden: Sequence[str], accepted: Sequence[tuple[str, Sequence[str]]]) 
         for name in hidden:
             if out[name] is not None:
                 continue
-            one = next((a for a in left if (a[0] == name if by_name else name in a[1])), None)
-            if one is not None:
-                out[name] = one[0]
-                left.remove(one)
+            answer = next((a for a in left if (a[0] == name if by_name else name in a[1])), None)
+            if answer is not None:
+                out[name] = answer[0]
+                left.remove(answer)
     return out
 
 

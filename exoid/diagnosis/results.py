@@ -316,21 +316,21 @@ class Diagnosis(Reported):
 
     @property
     def _unexplained_json(self) -> dict[str, Any]:
-        one = self.unexplained
-        if one is None and self.error is not None and self.verdict == "unexplained":
+        curve = self.unexplained
+        if curve is None and self.error is not None and self.verdict == "unexplained":
             share = 1.0 - self.error.times**-2.0
             joint = self.error.joint
             return {"significant": True, "joint": joint, "variables": [], "share": share, "suggested_terms": []}
-        if one is None or not self.unexplained_significant:
+        if curve is None or not self.unexplained_significant:
             return {"significant": False, "joint": None, "variables": [], "share": 0.0, "suggested_terms": []}
         return {
             "significant": True,
-            "joint": one.joint,
-            "variables": one.variables,
-            "share": one.joint_share,
-            "p_value": one.p_value,
-            "suggested_terms": [s.text for s in one.suggestions],
-            "suggested_toml": [s.to_toml(one.joint, one.own) for s in one.suggestions[:1]],
+            "joint": curve.joint,
+            "variables": curve.variables,
+            "share": curve.joint_share,
+            "p_value": curve.p_value,
+            "suggested_terms": [s.text for s in curve.suggestions],
+            "suggested_toml": [s.to_toml(curve.joint, curve.own) for s in curve.suggestions[:1]],
         }
 
     def to_frame(self) -> pd.DataFrame:

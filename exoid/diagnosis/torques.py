@@ -22,9 +22,9 @@ def torques_over_time(models: Mapping[str, FittedModel]) -> Figure:
     first = next(iter(models.values()))
     prepared = first.prepared
     index = len(prepared.train) if prepared.verify else 0
-    one = prepared.all[index]
+    recording = prepared.all[index]
     drawn = {
-        name: (model.torque(index).T, np.where(one.used, model.residuals[index], np.nan).T)
+        name: (model.torque(index).T, np.where(recording.used, model.residuals[index], np.nan).T)
         for name, model in models.items()
     }
-    return over_time(one.name, one.t, one.torque.T, drawn, first.model.joints)
+    return over_time(recording.name, recording.t, recording.torque.T, drawn, first.model.joints)

@@ -168,8 +168,8 @@ class BeforeAfter:
         asked = _asked(lead)
         columns = [c.full(0, self.joints) for c in self._at(lead)]
         names = tuple(s.name for s in alike if not _asked(s).always and s is not lead)
-        one = _Granted(lead, asked, columns, names)
-        return one if asked.link is None else self._placed(evidence, one)
+        leader = _Granted(lead, asked, columns, names)
+        return leader if asked.link is None else self._placed(evidence, leader)
 
     def _placed(self, evidence: Evidence, one: _Granted) -> _Granted:
         """Return a load at the place that fits best, with the slope by its place beside it."""

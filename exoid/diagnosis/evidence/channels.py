@@ -82,12 +82,12 @@ def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
     prepared = base.prepared
     if not prepared.angles_were_filtered or np.all(base.evaluation_rms <= rules.near_noise * prepared.noise_floor):
         return None
-    (one,) = [finding for finding in prepared.findings if finding.check == FILTERED]
+    (filtered,) = [finding for finding in prepared.findings if finding.check == FILTERED]
     return Doubt(
         "the angles hold less noise than any sensor has, the torques do not, and the model leaves more than noise",
-        f"{one.what[0].upper()}{one.what[1:]}. The torques were not: what a filter took out of the angles is missing "
-        "in the model's torque, and looks like a delay, a soft drive or friction.",
-        one.remedy,
+        f"{filtered.what[0].upper()}{filtered.what[1:]}. The torques were not: what a filter took out of the angles is "
+        "missing in the model's torque, and looks like a delay, a soft drive or friction.",
+        filtered.remedy,
     )
 
 
@@ -319,7 +319,9 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
         rest, tau, left = (
             np.concatenate([part[j][use] for part, use in zip(parts, seen, strict=True)])
             for parts in (
-                [each[:, :, rigid:] for each in columns], [one.torque for one in train], last.residuals[: len(train)]
+                [each[:, :, rigid:] for each in columns],
+                [recording.torque for recording in train],
+                last.residuals[: len(train)],
             )
         )  # fmt: skip
         if not tau.size or not np.any(tau):

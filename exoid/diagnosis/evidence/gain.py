@@ -89,7 +89,9 @@ class Evidence:
         self.blocks = blocks
         self.of = np.array([index for index, _ in self._units])
         self.is_train = self.of < len(self.train)
-        self.shifts = draw_shifts([(one.motion, one.rate) for one in blocks], draws, np.random.default_rng(seed), rules)
+        self.shifts = draw_shifts(
+            [(block.motion, block.rate) for block in blocks], draws, np.random.default_rng(seed), rules
+        )
         self._kept: dict[tuple[int, tuple[int, ...]], tuple[slice, Float, Float]] = {}
         self._spans: dict[tuple[int, ...], tuple[Float, list[Float]]] = {}
         self._transforms: dict[tuple[int, tuple[int, ...]], list[tuple[np.ndarray, np.ndarray]]] = {}
@@ -171,10 +173,10 @@ class Evidence:
         nodes, _, _, width = columns[0].values.shape
         rows = np.zeros((self.count, self.prior.size + 1 + width, width, nodes))
         for unit, into in enumerate(rows):
-            if (one := columns[self.of[unit]]).is_absent:
+            if (entry := columns[self.of[unit]]).is_absent:
                 continue
-            part, weight, own = self._own(unit, one.joints)
-            x = one.within(part)
+            part, weight, own = self._own(unit, entry.joints)
+            x = entry.within(part)
             samples = x.shape[2]
             some = max(1, TOGETHER // max(1, width * samples))
             # Plain products: for so many small ones the overhead of einsum was the larger part.

@@ -101,14 +101,14 @@ class _View:
     of a sample, and which samples (J, N) are `seen`.
     """
 
-    one: PreparedRecording
+    recording: PreparedRecording
     columns: Float
     tau: Float
     seen: NDArray[np.bool_]
     length: int
 
     def windows(self) -> Windows:
-        motion = self.one.motion
+        motion = self.recording.motion
         return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
 
 
@@ -132,11 +132,11 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     pairs = list(zip(views, parts, np.split(away, ends), strict=True))
     acts = [_spread(view, part, own) for view, part, own in pairs]
     calm = [_samples(view, part.first[~own]) & ~act for (view, part, own), act in zip(pairs, acts, strict=True)]
-    episodes = [_episodes(act, view.one.rate) for act, view in zip(acts, views, strict=True)]
+    episodes = [_episodes(act, view.recording.rate) for act, view in zip(acts, views, strict=True)]
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
     rest = [view.tau - view.columns @ x for view in views]
-    weight = [(sample * np.sqrt(0.5 * view.one.rate))[:, None] for view in views]
+    weight = [(sample * np.sqrt(0.5 * view.recording.rate))[:, None] for view in views]
     own = [part * w for part, w in zip(rest, weight, strict=True)]
     force, foot = _force(base, views, own, acts), _foot(base, views, acts, rules)
     far = rules.near_noise * float(np.sqrt(level))
@@ -148,8 +148,12 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         if not plain or not _beyond_curves(views, rest, acts, rules.artefact * far, rules):
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
-    long = [(end - begin) / view.one.rate for view, each in zip(views, episodes, strict=True) for begin, end in each]
-    apart = [np.diff([b for b, _ in each]) / view.one.rate for view, each in zip(views, episodes, strict=True)]
+    long = [
+        (end - begin) / view.recording.rate
+        for view, each in zip(views, episodes, strict=True)
+        for begin, end in each
+    ]
+    apart = [np.diff([b for b, _ in each]) / view.recording.rate for view, each in zip(views, episodes, strict=True)]
     return Intermittent(
         share=float(np.mean(np.concatenate(acts))),
         seconds=float(np.median(long)),
@@ -163,16 +167,17 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
 
 
 def _view(base: FittedModel, index: int, sample: Float) -> _View:
-    one, model = base.prepared.all[index], base.model
+    recording, model = base.prepared.all[index], base.model
     none = np.zeros(len(base.linear))
-    whole = model.whole_columns(one.motion, base.shapes[index], base.linear if model.needs_reference else None)
-    weight = 1.0 / (sample * np.sqrt(0.5 * one.rate))
-    known = whole @ carrying(model, one.motion, none)
-    seen = ~one.hidden.T
-    edge = int(EDGE * one.rate)
-    seen[:, :edge] = seen[:, len(one.motion) - edge :] = False
+    whole = model.whole_columns(recording.motion, base.shapes[index], base.linear if model.needs_reference else None)
+    weight = 1.0 / (sample * np.sqrt(0.5 * recording.rate))
+    known = whole @ carrying(model, recording.motion, none)
+    seen = ~recording.hidden.T
+    edge = int(EDGE * recording.rate)
+    seen[:, :edge] = seen[:, len(recording.motion) - edge :] = False
     columns = whole[:, :, : len(none)] * weight[:, None, None]
-    return _View(one, columns, (one.wide_tau.T - known) * weight[:, None], seen, max(1, round(WINDOW * one.rate)))
+    tau = (recording.wide_tau.T - known) * weight[:, None]
+    return _View(recording, columns, tau, seen, max(1, round(WINDOW * recording.rate)))
 
 
 def _solved(gram: Float, slope: Float) -> Float:
@@ -231,21 +236,21 @@ def _of_two_kinds(losses: Float, quiet: NDArray[np.bool_]) -> float:
 
 def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return at which samples (N,) it acts; a single window between two of the other kind is of theirs."""
-    count = len(view.one.motion) // view.length + 1
+    count = len(view.recording.motion) // view.length + 1
     kind = np.full(count, -1)
     kind[part.first // view.length] = away
     known = np.flatnonzero(kind >= 0)
     if not known.size:
-        return np.zeros(len(view.one.motion), dtype=bool)
+        return np.zeros(len(view.recording.motion), dtype=bool)
     filled = kind[known[np.abs(np.arange(count)[:, None] - known).argmin(axis=1)]] > 0
     alone = (filled[1:-1] != filled[:-2]) & (filled[1:-1] != filled[2:])
     filled[1:-1] ^= alone
-    return np.repeat(filled, view.length)[: len(view.one.motion)]
+    return np.repeat(filled, view.length)[: len(view.recording.motion)]
 
 
 def _samples(view: _View, first: NDArray[np.int_]) -> NDArray[np.bool_]:
     """Return the samples (N,) of the windows that begin at `first`."""
-    out = np.zeros(len(view.one.motion), dtype=bool)
+    out = np.zeros(len(view.recording.motion), dtype=bool)
     out[(first[:, None] + np.arange(view.length)).ravel()] = True
     return out
 
@@ -265,7 +270,7 @@ def _beyond_curves(
     """True if smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
     recordings, leave a good part of what acts at any joint, RMS, where that is more than `far`.
     """
-    q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
+    q, dq = (np.concatenate([getattr(view.recording.motion, name) for view in views]) for name in ("q", "dq"))
     ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
     for joint in range(rest[0].shape[0]):
         rows = [np.concatenate([view.columns[joint], _curves(view, ends)], axis=1)[view.seen[joint]] for view in views]
@@ -291,7 +296,7 @@ def _beyond_curves(
 def _curves(view: _View, ends: list[tuple[Float, Float]]) -> Float:
     """Return cubic splines (N, C) in every angle and every velocity."""
     out = []
-    for x, (low, high) in zip((view.one.motion.q, view.one.motion.dq), ends, strict=True):
+    for x, (low, high) in zip((view.recording.motion.q, view.recording.motion.dq), ends, strict=True):
         for column, first, last in zip(x.T, low, high, strict=True):
             if last > first:
                 knots = np.concatenate([[first] * 3, np.linspace(first, last, KNOTS), [last] * 3])
@@ -308,10 +313,10 @@ def _rms(views: list[_View], torques: list[Float], chosen: list[NDArray[np.bool_
 
 def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int, int]]]) -> str:
     """Return in which phase of the motion it begins and ends, of the joint that says so best; "" for none."""
-    q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
+    q, dq = (np.concatenate([getattr(view.recording.motion, name) for view in views]) for name in ("q", "dq"))
     states = []
     for place in (0, 1):
-        at = [(view.one.motion, pair[place]) for view, each in zip(views, episodes, strict=True) for pair in each]
+        at = [(view.recording.motion, pair[place]) for view, each in zip(views, episodes, strict=True) for pair in each]
         states.append(tuple(np.array([getattr(m, name)[min(k, len(m) - 1)] for m, k in at]) for name in ("q", "dq")))
     size = [np.maximum(x.std(axis=0), 1e-12) for x in (q, dq)]
     lengths = [
@@ -337,7 +342,7 @@ def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], 
     at = Force("foot", joints[-1].name, ("grf_x", "grf_z"))
     speeds, on = [], []
     for view, act in zip(views, acts, strict=True):
-        motion, there = view.one.motion, view.seen.all(axis=0)
+        motion, there = view.recording.motion, view.seen.all(axis=0)
         sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
         forwards = np.tile((1.0, 0.0), (int(there.sum()), 1))
         asked = pushed_torques(joints, motion.q[there], at, reach, forwards, sway)
@@ -389,7 +394,7 @@ def _forces(
     at = Force("ground", joints[-1].name, ("grf_x", "grf_z"))
     forces, whole, left = [], 0.0, 0.0
     for view, x, act in zip(views, own, acts, strict=True):
-        motion, there = view.one.motion, act & view.seen.all(axis=0)
+        motion, there = view.recording.motion, act & view.seen.all(axis=0)
         sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
         ways = [np.tile(way, (int(there.sum()), 1)) for way in np.eye(2)]
         unit = np.stack([pushed_torques(joints, motion.q[there], at, reach, way, sway) for way in ways], axis=2)

@@ -127,8 +127,8 @@ def _usual_sizes(candidate: Candidate) -> tuple[_Told, float, Float] | None:
         if not sizes.any():
             return None
         first = int(np.argmax(sizes != 0.0))
-        one, key = term.parameters[first], list(term.effect.coefficients)[first]
-        return _Told(key, one.unit, one.max), abs(float(sizes[first])), sizes
+        parameter, key = term.parameters[first], list(term.effect.coefficients)[first]
+        return _Told(key, parameter.unit, parameter.max), abs(float(sizes[first])), sizes
     (key, shape), *_ = term.placed_shape.items()
     if not shape.typical:
         return None

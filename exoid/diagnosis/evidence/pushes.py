@@ -53,13 +53,13 @@ def turned_force(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     options = ",".join(f"{name}=-{units[force_unit(name)]}" for name in columns)
     space = any(element.force.in_space for element in turned)
     positive = "along the axes of their sensor or the base" if space else "forwards and upwards"
-    gains = ", ".join(f"{one.gain:.2g}" for one in turned)
+    gains = ", ".join(f"{entry.gain:.2g}" for entry in turned)
     return Doubt(
         f"the torques want the {names} multiplied by {gains}",
         f"The {names} counts the other way round: forces act on the machine and are positive {positive}, and "
         f"the torques agree with {', '.join(columns)} only when multiplied by {gains}.",
         f"--units {options}, or sign = -1 in [[forces]]; where only some columns are turned round, those alone",
-        1.0 - max(one.share for one in turned),
+        1.0 - max(entry.share for entry in turned),
     )
 
 

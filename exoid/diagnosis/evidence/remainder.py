@@ -146,12 +146,12 @@ def remainders(
                 joint = now.model.joint_names[place]
                 found.append(Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **gained))
     # A curve of its own for each recording must earn that freedom.
-    found = ascending(found, lambda one: -one.share * (evidence.rules.most if one.own else 1.0), 1.0)
-    for k, one in enumerate(found[:placebos]):
-        if one.share >= least_of_a_curve(evidence.rules):
-            splines = splines_along(now, one.variable, one.index, one.factor, evidence.rules.knots)
+    found = ascending(found, lambda remainder: -remainder.share * (evidence.rules.most if remainder.own else 1.0), 1.0)
+    for k, remainder in enumerate(found[:placebos]):
+        if remainder.share >= least_of_a_curve(evidence.rules):
+            splines = splines_along(now, remainder.variable, remainder.index, remainder.factor, evidence.rules.knots)
             columns = splines.columns if splines is not None else ()
-            found[k] = replace(one, p_value=_p_value(owns if one.own else common, columns, one.share))
+            found[k] = replace(remainder, p_value=_p_value(owns if remainder.own else common, columns, remainder.share))
     return found
 
 

@@ -45,10 +45,10 @@ Pair = tuple[Float, Float, np.ndarray]
 
 
 def _periods(fitted: FittedModel, index: int) -> Pair | None:
-    one = fitted.prepared.all[index]
-    q = one.motion.q[one.kept]
+    recording = fitted.prepared.all[index]
+    q = recording.motion.q[recording.kept]
     moves = q.std(axis=0) > 0.0
-    first, most = int(np.ceil(SHORTEST * one.kept_rate)), len(q) // 2
+    first, most = int(np.ceil(SHORTEST * recording.kept_rate)), len(q) // 2
     if most - first < 2 or len(q) - most < LEAST_SAMPLES or not moves.any():
         return None
     q = (q - q.mean(axis=0))[:, moves] / q.std(axis=0)[moves]
@@ -58,7 +58,7 @@ def _periods(fitted: FittedModel, index: int) -> Pair | None:
     away = np.array([np.sqrt(np.mean((q[lag:] - q[:-lag]) ** 2, axis=0)).max() for lag in close])
     if away.min() > ALIKE:
         return None
-    lag, rest, use = int(close[index_of_least(away, 1.0)]), fitted.residuals[index], one.used
+    lag, rest, use = int(close[index_of_least(away, 1.0)]), fitted.residuals[index], recording.used
     return rest[:, :-lag], rest[:, lag:], use[:, :-lag] & use[:, lag:]
 
 
@@ -72,20 +72,20 @@ def _differences(x: Float, most: int) -> Float:
 
 
 def _runs(fitted: FittedModel, a: int, b: int) -> Pair | None:
-    one, other = fitted.prepared.all[a], fitted.prepared.all[b]
-    t, s = one.t - one.motion.t[0], other.t - other.motion.t[0]
+    first, second = fitted.prepared.all[a], fitted.prepared.all[b]
+    t, s = first.t - first.motion.t[0], second.t - second.motion.t[0]
     inside = (t >= s[0]) & (t <= s[-1])
     if inside.sum() < LEAST_SAMPLES or t[inside][-1] - t[inside][0] < SHORTEST:
         return None
-    q, p = one.motion.q[one.kept][inside], other.motion.q[other.kept]
+    q, p = first.motion.q[first.kept][inside], second.motion.q[second.kept]
     at = t[inside]
     p = np.column_stack([np.interp(at, s, column) for column in p.T])
     size = np.maximum(q.std(axis=0), 0.02)
     if np.any(np.sqrt(np.mean((q - p) ** 2, axis=0)) > ALIKE * size):
         return None
     rest = np.array([np.interp(at, s, row) for row in fitted.residuals[b]])
-    use = np.array([np.interp(at, s, row.astype(float)) > 0.99 for row in other.used])
-    return fitted.residuals[a][:, inside], rest, one.used[:, inside] & use
+    use = np.array([np.interp(at, s, row.astype(float)) > 0.99 for row in second.used])
+    return fitted.residuals[a][:, inside], rest, first.used[:, inside] & use
 
 
 def _compared(pairs: list[Pair], what: str) -> Repeats:

@@ -94,21 +94,21 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     added = {term.name for term in last.model.terms} - {term.name for term in base.model.terms}
     for fitted in (base, last) if added else (last,):
         for joint in range(len(last.model.joints)):
-            one = _best(fitted, joint)
-            if one is None:
+            drive = _best(fitted, joint)
+            if drive is None:
                 continue
             before = last.evaluation_rms
-            falls = (one.after**2 <= rules.half * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
+            falls = (drive.after**2 <= rules.half * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
             others = np.arange(len(before)) != joint
-            share = _share_left(one.after[asked], before[asked], noise[asked])
-            one = replace(one, before=before, asked=asked, share=share, sure=bool(falls[others].all()))
-            beside = fitted is base and one.name in added and len(added) > 1
+            share = _share_left(drive.after[asked], before[asked], noise[asked])
+            drive = replace(drive, before=before, asked=asked, share=share, sure=bool(falls[others].all()))
+            beside = fitted is base and drive.name in added and len(added) > 1
             # What explains unseen motion better than the motion it was fitted to does so by chance.
-            left = max(share, _share_left(one.fitted[asked], last.train_rms[asked], noise[asked]))
+            left = max(share, _share_left(drive.fitted[asked], last.train_rms[asked], noise[asked]))
             if left <= (rules.most if beside else rules.half) and np.all(
-                one.after <= one.before * (1.0 + ~asked)
+                drive.after <= drive.before * (1.0 + ~asked)
             ):
-                found.append(one)
+                found.append(drive)
     return least_of(found, lambda one: one.share, 1.0) if found else None
 
 
@@ -125,16 +125,16 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
     What it explains, no search would: nothing need be looked for. At its own joint it must explain most as well, also
     where what differs between the recordings counts as noise there (a drift).
     """
-    one = soft_drive(base, base, noise, rules)
-    if one is None or not one.sure:
+    drive = soft_drive(base, base, noise, rules)
+    if drive is None or not drive.sure:
         return None
-    own = base.model.joint_names.index(one.joint)
-    if one.after[own] ** 2 > rules.half * base.evaluation_rms[own] ** 2:
+    own = base.model.joint_names.index(drive.joint)
+    if drive.after[own] ** 2 > rules.half * base.evaluation_rms[own] ** 2:
         return None
-    model = base.model.with_effect(find_effect(ENTRY), one.joint)
+    model = base.model.with_effect(find_effect(ENTRY), drive.joint)
     entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).evaluation_rms
-    left = _share_left(one.after[one.asked], entry[one.asked], noise[one.asked])
-    return one if left <= rules.little else None
+    left = _share_left(drive.after[drive.asked], entry[drive.asked], noise[drive.asked])
+    return drive if left <= rules.little else None
 
 
 def _share_left(after: Float, before: Float, noise: Float) -> float:
@@ -191,12 +191,12 @@ def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:
 
 def _drive(fitted: FittedModel, joint: int, found: dict[str, Any]) -> SoftDrive:
     """Return the drive at `joint` with what was `found` of it."""
-    before, one = fitted.evaluation_rms, fitted.model.joints[joint]
+    before, driven = fitted.evaluation_rms, fitted.model.joints[joint]
     arrays = {key: np.array(found[key]) for key in ("after", "fitted")}
     return SoftDrive(
-        joint=one.name,
-        unit=f"{one.unit('q')}/({one.unit('tau')})",
-        stiffness=f"{one.unit('tau')}/{one.unit('q')}",
+        joint=driven.name,
+        unit=f"{driven.unit('q')}/({driven.unit('tau')})",
+        stiffness=f"{driven.unit('tau')}/{driven.unit('q')}",
         before=before,
         asked=before > 0.0,
         **{**found, **arrays},

@@ -105,10 +105,10 @@ def strides_of(fitted: FittedModel) -> Strides | None:
     found = {index: cut for index, cut in found.items() if cut.joint == joint}
     curves: list[list[Float]] = []
     for index, cut in found.items():
-        one = prepared.all[index]
-        rows = [fitted.torque(index), fitted.residuals[index], one.torque]
+        recording = prepared.all[index]
+        rows = [fitted.torque(index), fitted.residuals[index], recording.torque]
         for ends in cut.ends:
-            used = over_phases(one.used.astype(float), ends) > 0.99
+            used = over_phases(recording.used.astype(float), ends) > 0.99
             curves.append([np.where(used, over_phases(part, ends), np.nan) for part in rows])
     if len(curves) < FEWEST:
         return None

@@ -212,11 +212,11 @@ class _Readings:
     def _read(
         self, index: int, change: Callable[[Float, float], Float] | None, seconds: float, which: np.ndarray | None
     ) -> Float:
-        one = self.train[index]
+        recording = self.train[index]
         if change is None:
-            return one.torque - one.smooth(self.known[index])
-        changed = change(one.wide_tau, seconds * one.rate)
+            return recording.torque - recording.smooth(self.known[index])
+        changed = change(recording.wide_tau, seconds * recording.rate)
         if change is _without_lag:
-            changed = without_spikes(changed, one.rate)
-        changed = changed if which is None else np.where(which, changed, one.wide_tau)
-        return one.smooth(changed - self.known[index])
+            changed = without_spikes(changed, recording.rate)
+        changed = changed if which is None else np.where(which, changed, recording.wide_tau)
+        return recording.smooth(changed - self.known[index])

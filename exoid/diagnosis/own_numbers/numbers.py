@@ -78,7 +78,8 @@ class OwnNumbers:
         other half says.
         """
         train = tuple(self._applied(recording, unseen=False) for recording in prepared.train)
-        return replace(prepared, train=train, verify=tuple(self._applied(one, unseen=True) for one in prepared.verify))
+        verify = tuple(self._applied(recording, unseen=True) for recording in prepared.verify)
+        return replace(prepared, train=train, verify=verify)
 
     def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
         names = [known.name for known in self.now.prepared.all]
@@ -111,8 +112,8 @@ class OwnNumbers:
 
     def agrees(self, other: OwnNumbers) -> bool:
         """True if another look finds the same in the same recordings, within its intervals."""
-        one, two = ({(b.what, b.joint, n): e for b in own.told for n, e in b.values.items()} for own in (self, other))
-        return one.keys() == two.keys() and all(two[k].low <= e.value <= two[k].high for k, e in one.items())
+        first, new = ({(b.what, b.joint, n): e for b in own.told for n, e in b.values.items()} for own in (self, other))
+        return first.keys() == new.keys() and all(new[k].low <= e.value <= new[k].high for k, e in first.items())
 
     def without(self, names: Sequence[str]) -> tuple[Belonging, ...]:
         """Statements about the recordings that are not among `names`."""

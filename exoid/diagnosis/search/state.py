@@ -39,9 +39,9 @@ class Extension:
         """
         if later.added is None:
             return 0.0
-        one, other, at = self.fitted, later.fitted, list(later.added.candidate.joints)
-        share = above_noise(one.evaluation_rms[at], other.evaluation_rms[at])
-        fitted = above_noise(one.train_rms[at], other.train_rms[at]) if later.added.repeats(rules) else 0.0
+        before, after, at = self.fitted, later.fitted, list(later.added.candidate.joints)
+        share = above_noise(before.evaluation_rms[at], after.evaluation_rms[at])
+        fitted = above_noise(before.train_rms[at], after.train_rms[at]) if later.added.repeats(rules) else 0.0
         return max(share, fitted)
 
     def outvotes(self, later: Extension, rules: Rules = RULES) -> bool:

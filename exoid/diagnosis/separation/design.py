@@ -110,7 +110,9 @@ def separate(
         trajectory=motion,
         apart=measure.motion(motion) if motion is not None else {},
         present=measure.recordings(prepared.train) if prepared is not None else None,
-        present_seconds=sum(len(one.kept) / one.kept_rate for one in prepared.train) if prepared else 0.0,
+        present_seconds=(
+            sum(len(recording.kept) / recording.kept_rate for recording in prepared.train) if prepared else 0.0
+        ),
         usual={pair: float(np.median([entry[pair] for entry in usual])) for pair in measure.names},
         noise=noise,
         duration=asked.duration,

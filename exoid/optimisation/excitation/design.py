@@ -124,10 +124,10 @@ def evaluate(
     )  # fmt: skip
     swing = np.concatenate([trajectory.sine, trajectory.cosine], axis=1)[None]
     value = CRITERIA[criterion](info.sums(swing, trajectory.offset[None], rescale=False).gram, aim)
-    one = DesignedMotion(name, trajectory, float(value[0]), 1, 0.0, "")
+    motion = DesignedMotion(name, trajectory, float(value[0]), 1, 0.0, "")
     rest = bool(np.abs(np.array([trajectory.at(np.zeros(1)).dq, trajectory.at(np.zeros(1)).ddq])).max() < 1e-9)
     task = _Task(model, criterion, room, aim, at, "given", rest, 0)
-    return _evaluated(task, one, (one,), (), time.perf_counter() - began)
+    return _evaluated(task, motion, (motion,), (), time.perf_counter() - began)
 
 
 def evaluate_paper(period: float = 10.0, model: Model | None = None) -> Excitation:

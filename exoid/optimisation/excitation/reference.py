@@ -152,10 +152,10 @@ def _gram(ca: Any, info: Information, period: float, signals: list[list[Any]]) -
     speeds, pulls = state[1 + joints : 1 + 2 * joints], state[1 + 2 * joints :]
     signs = ca.vertcat(*(mean_sign(speeds[j], pulls[j]) for j in range(joints)))
     numbers = ca.DM(np.concatenate([info.linear, info.shape]))
-    one = ca.Function("sample", [state], [terms(ca.vertcat(state, signs), numbers)], {"cse": True})
+    sample = ca.Function("sample", [state], [terms(ca.vertcat(state, signs), numbers)], {"cse": True})
     t = ca.DM(np.arange(GRID) * (period / GRID))
     states = ca.horzcat(t, *(signals[kind][joint] for kind in range(3) for joint in range(joints))).T
-    sums = ca.sum2(one.map(GRID)(states)) / GRID
+    sums = ca.sum2(sample.map(GRID)(states)) / GRID
     size = len(info.names)
     out = [ca.MX.zeros(size, size) for _ in range(joints)]
     for k, (joint, p, r) in enumerate(entries):

@@ -116,9 +116,10 @@ class Excitation(AsJson):
         lines = [f"Motion of {period:g} s with {count} harmonics, {self.chosen}: cond(Ȳ) = {self.condition:.2f}"]
         if self.criterion != "condition":
             lines.append(f"  {MEANING[self.criterion]}: {self.value:.5g}")
-        for one in self.candidates:
-            status = f", {one.status}" if one.status else ""
-            lines.append(f"  {one.name:<10} {one.value:10.4f}  {one.evaluations} steps, {one.seconds:.1f} s{status}")
+        for candidate in self.candidates:
+            status = f", {candidate.status}" if candidate.status else ""
+            effort = f"{candidate.evaluations} steps, {candidate.seconds:.1f} s{status}"
+            lines.append(f"  {candidate.name:<10} {candidate.value:10.4f}  {effort}")
         tightest = least_of(self.uses, lambda use: -use.share, 1.0)
         word = "inside all limits at all times" if self.feasible else "OUTSIDE its limits"
         lines.append(

@@ -315,12 +315,12 @@ def _whitening(function: Callable[[Float], Float], at: Float) -> Float:
     """
     size = len(at)
     steps = STEP * np.eye(size)
-    one, other = np.tril_indices(size, -1)
-    points = np.concatenate([at[None], at + steps, at - steps, at + steps[one] + steps[other]])
+    first, second = np.tril_indices(size, -1)
+    points = np.concatenate([at[None], at + steps, at - steps, at + steps[first] + steps[second]])
     values = function(points)
     middle, up, down, both = np.split(values, [1, 1 + size, 1 + 2 * size])
     curvature = np.diag((up + down - 2.0 * middle) / STEP**2)
-    curvature[one, other] = curvature[other, one] = (both - up[one] - up[other] + middle) / STEP**2
+    curvature[first, second] = curvature[second, first] = (both - up[first] - up[second] + middle) / STEP**2
     size_of, axes = np.linalg.eigh(curvature)
     # Which way an axis points is left to the library: here the largest part of each is positive.
     largest_part = np.argmax(tied(-np.abs(axes), axis=0), axis=0)

@@ -51,9 +51,9 @@ class Assembly:
         self._terms = _followers(model)
         self._tried: dict[tuple[int, int], dict[bytes, Float]] = {}
         self._factors = Factors()
-        self._tau = np.concatenate([one.torque for one in self.prepared], axis=1)
-        self._use = np.concatenate([one.used for one in self.prepared], axis=1)
-        self._groups = np.repeat(np.arange(len(self.prepared)), [len(one.kept) for one in self.prepared])
+        self._tau = np.concatenate([recording.torque for recording in self.prepared], axis=1)
+        self._use = np.concatenate([recording.used for recording in self.prepared], axis=1)
+        self._groups = np.repeat(np.arange(len(self.prepared)), [len(recording.kept) for recording in self.prepared])
 
     def data(self, shape: Float | None = None, reference: Float | None = None) -> LinearData:
         """Return the linear data for shape values ((S,), or (R, S) one row per recording) and `reference` (P,)."""
@@ -72,7 +72,7 @@ class Assembly:
         """Return the torque (J, K) that is left to explain: without that of known payloads and of measured forces whose
         place is known, filtered as the columns.
         """
-        motions = [one.motion for one in self.prepared]
+        motions = [recording.motion for recording in self.prepared]
         if not self.model.forces and all(motion.payload is None for motion in motions):
             return self._tau
         none = np.zeros(len(self.model.parameters))
@@ -80,7 +80,7 @@ class Assembly:
         return np.asarray(self._tau - np.concatenate(known, axis=1))
 
     def _columns(self, index: int, shape: Float | None, reference: Float | None) -> Float:
-        one, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]
+        recording, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]
         own = shape[index] if shape is not None and np.ndim(shape) == 2 else shape
         places = list(self.model.following_places)
         at = b"" if own is None else np.concatenate([own, () if reference is None else reference]).tobytes()
@@ -92,34 +92,34 @@ class Assembly:
                     key = np.concatenate([own[shapes], heard]).tobytes()
                     kept = self._tried.setdefault((index, number), {})
                     if (found := kept.pop(key, None)) is None:
-                        found = self._following(one, term, np.asarray(own)[None], reference)[0]
+                        found = self._following(recording, term, np.asarray(own)[None], reference)[0]
                     kept[key] = found  # the last that was asked for
                     if len(kept) > TRIED:
                         del kept[next(iter(kept))]
                     smooth[:, :, term] = found
                 self._smooth[index], self._at[index] = smooth, at
             return smooth
-        raw = self.model.whole_columns(one.motion, own, reference)
+        raw = self.model.whole_columns(recording.motion, own, reference)
         if before is None or smooth is None:
-            smooth = one.smooth_columns(raw)
+            smooth = recording.smooth_columns(raw)
         else:
             changed = np.flatnonzero((raw != before).any(axis=(0, 1)))
             if changed.size:
                 smooth = smooth.copy()
-                smooth[:, :, changed] = one.smooth_columns(raw[:, :, changed])
+                smooth[:, :, changed] = recording.smooth_columns(raw[:, :, changed])
         self._raw[index], self._smooth[index], self._at[index] = raw, smooth, at
         return smooth
 
     def _following(
-        self, one: PreparedRecording, places: Sequence[int], nodes: Float, reference: Float | None
+        self, recording: PreparedRecording, places: Sequence[int], nodes: Float, reference: Float | None
     ) -> Float:
         """Return the filtered columns (V, J, K, m) at `places` (m,) that follow the shapes, at `nodes` (V, S)."""
-        raw = self.model.following_columns(one.motion, places, nodes, reference)
+        raw = self.model.following_columns(recording.motion, places, nodes, reference)
         joints = np.flatnonzero(raw.any(axis=(0, 2, 3))).tolist()
-        out = np.zeros((*raw.shape[:2], len(one.kept), raw.shape[2]))
+        out = np.zeros((*raw.shape[:2], len(recording.kept), raw.shape[2]))
         if not joints:  # zero at all nodes, as of a stop that is never met
             return out
-        out[:, joints] = np.swapaxes(one.smooth_rows(raw[:, joints], joints, 1), 2, 3)
+        out[:, joints] = np.swapaxes(recording.smooth_rows(raw[:, joints], joints, 1), 2, 3)
         return out
 
     def sse_at(self, nodes: Float, reference: Float | None = None) -> Float | None:
@@ -141,7 +141,7 @@ class Assembly:
         out = []
         many = max(1, TOGETHER // (data.columns[:, :, places].size * max(1, round(self._thinned))))
         for some in np.array_split(nodes, -(-len(nodes) // many)):
-            parts = [self._following(one, places, some, reference) for one in self.prepared]
+            parts = [self._following(recording, places, some, reference) for recording in self.prepared]
             columns = np.concatenate(parts, axis=2) * data.use[:, :, None]
             columns = columns.reshape(len(some), -1, len(places))
             rows = np.ascontiguousarray(np.swapaxes(columns, 1, 2))
@@ -158,7 +158,7 @@ class Assembly:
     @property
     def _thinned(self) -> float:
         """Samples of the motion for each that is kept."""
-        return float(np.mean([len(one.motion) / max(1, len(one.kept)) for one in self.prepared]))
+        return float(np.mean([len(recording.motion) / max(1, len(recording.kept)) for recording in self.prepared]))
 
 
 def _followers(model: Model) -> list[tuple[list[int], list[int], bool]]:

@@ -109,7 +109,7 @@ def identify(
         best_known=bool(model.shapes),
         lag=spread.lag,
         seconds=time.perf_counter() - began,
-        recordings=tuple(one.name for one in data),
+        recordings=tuple(recording.name for recording in data),
         held=changed,
         agreeing=found.agreeing,
         spacing=_spacing(data[0]),
@@ -168,7 +168,7 @@ def _prepared(model: Any, data: Any) -> tuple[Model, Sequence[PreparedRecording]
     gets the forces that they have measured.
     """
     data = data.train if isinstance(data, Prepared) else data
-    if isinstance(data, (list, tuple)) and all(hasattr(one, "motion") for one in data):
+    if isinstance(data, (list, tuple)) and all(hasattr(recording, "motion") for recording in data):
         return model, data
     asked, raw, _ = question_of(model, data)
     model = pushed_model(machine_of(asked), raw)

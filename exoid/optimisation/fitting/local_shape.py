@@ -50,8 +50,8 @@ def shapes_for(fit: Fit, prepared: Prepared) -> Float:
     train = np.broadcast_to(fit.shapes, (len(prepared.train), len(model.shapes)))
     own = own_shapes(model)
     rows = [
-        _fit_own(model, one, fit.linear, np.array(fit.shape), own, fit.delta) if own else np.array(fit.shape)
-        for one in prepared.verify
+        _fit_own(model, recording, fit.linear, np.array(fit.shape), own, fit.delta) if own else np.array(fit.shape)
+        for recording in prepared.verify
     ]
     return np.array([*train, *rows], dtype=float).reshape(len(prepared.all), len(model.shapes))
 
@@ -127,7 +127,10 @@ def descend(problem: ShapeProblem, start: Float, delta: Float) -> Float:
         if own and not (sweep and together):
             linear = problem.solved(best).linear
             moved = np.array(
-                [_nudge(model, one, linear, row, far, delta) for one, row in zip(prepared, best, strict=True)]
+                [
+                    _nudge(model, recording, linear, row, far, delta)
+                    for recording, row in zip(prepared, best, strict=True)
+                ]
             )
             if (reached := problem.loss(moved)) < value:
                 best, value = moved, reached

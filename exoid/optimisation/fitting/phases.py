@@ -56,7 +56,7 @@ def with_phases(assembly: Assembly, begun: Float, reference: Float, searched: bo
 
 def _left(assembly: Assembly, nodes: Float, reference: Float) -> Float:
     """Squared error (V,) that recordings, each fitted alone, leave together at shape values `nodes` (V, S)."""
-    alone = [Assembly(assembly.model, [one]).sse_at(nodes, reference) for one in assembly.prepared]
+    alone = [Assembly(assembly.model, [recording]).sse_at(nodes, reference) for recording in assembly.prepared]
     known = [left for left in alone if left is not None]
     if len(known) == len(alone):
         return np.asarray(np.sum(known, axis=0))

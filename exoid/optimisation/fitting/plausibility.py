@@ -135,19 +135,19 @@ def _realisable(model: Model, linear: Float) -> list[Finding]:
         return _links(model, linear)
     if any(name not in at for name in ("Phi1", "Phi2", "Phi3", "Phi4")):
         return []
-    one, two, three, four = (float(linear[at[f"Phi{i}"]]) for i in range(1, 5))
+    phi1, phi2, phi3, phi4 = (float(linear[at[f"Phi{i}"]]) for i in range(1, 5))
     remedy = "no masses and lengths can be computed from this fit; its torque prediction may still be good"
-    for name, value in (("Phi2", two), ("Phi3", three)):
+    for name, value in (("Phi2", phi2), ("Phi3", phi3)):
         if value <= 0.0 and model.parameters[at[name]].min is None:  # else _bounds has said it
             what = f"{name} = {value:.4g} kg·m², but a shank with mass has a positive one"
             return [Finding("realisable", "warning", what, name, value, 0.0, remedy)]
-    if two <= 0.0 or three <= 0.0:
+    if phi2 <= 0.0 or phi3 <= 0.0:
         return []
-    room = one - two + min(0.0, four)
-    if three**2 / two < room:
+    room = phi1 - phi2 + min(0.0, phi4)
+    if phi3**2 / phi2 < room:
         return []
     what = "no positive masses, lengths and inertias give Φ1 to Φ4 (Φ3²/Φ2 must be below Φ1 - Φ2 + min(0, Φ4))"
-    return [Finding("realisable", "warning", what, "Phi1..Phi4", three**2 / two, room, remedy)]
+    return [Finding("realisable", "warning", what, "Phi1..Phi4", phi3**2 / phi2, room, remedy)]
 
 
 def _links(model: Model, linear: Float) -> list[Finding]:

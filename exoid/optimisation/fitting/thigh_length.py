@@ -94,7 +94,7 @@ class ThighLength(AsJson):
 
 def has_a_length(model: Model, prepared: Prepared) -> bool:
     """True if a model has a thigh length that recordings may tell: the leg without a payload and without forces."""
-    loaded = bool(model.forces) or any(one.motion.payload is not None for one in prepared.train)
+    loaded = bool(model.forces) or any(recording.motion.payload is not None for recording in prepared.train)
     return not (prepared.misread or model.chain or loaded)
 
 
@@ -107,8 +107,9 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     model, names = fit.model, list(fit.data.names)
     if not has_a_length(model, prepared) or COUPLING not in names:
         return None
-    weight = np.concatenate([_weight(one) for one in prepared.train], axis=1)[:, :, None]
-    if fit.recordings != tuple(one.name for one in prepared.train) or fit.data.tau.shape != weight.shape[:2]:
+    weight = np.concatenate([_weight(recording) for recording in prepared.train], axis=1)[:, :, None]
+    recordings = tuple(recording.name for recording in prepared.train)
+    if fit.recordings != recordings or fit.data.tau.shape != weight.shape[:2]:
         return None
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))
     with_zeros = _data(fit, zeros, "zero")

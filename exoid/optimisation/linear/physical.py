@@ -195,7 +195,8 @@ class Lift:
         found = nearest_matrices(before, weights, values)
         if found is None:
             return None
-        links = np.sum([inverse @ one.ravel() for inverse, one in zip(back, found.real + margins, strict=True)], axis=0)
+        blocks = zip(back, found.real + margins, strict=True)
+        links = np.sum([inverse @ block.ravel() for inverse, block in blocks], axis=0)
         links = links - np.linalg.pinv(rows) @ (rows @ links - linear[: self.inertial])
         wrong = np.abs(rows @ links - linear[: self.inertial])
         if np.any(wrong > EXACT * np.maximum(np.abs(rows) @ np.abs(links), np.abs(linear[: self.inertial]))):
@@ -232,13 +233,13 @@ def physics(model: Model) -> Physics:
         return Physics(names, low, high, (), _lift(model, names, low, high))
     if any(f"Phi{k}" not in names for k in range(1, 5)):
         return Physics(names, low, high, ())
-    one, two, three, four = (np.array([float(n == f"Phi{k}") for n in names]) for k in range(1, 5))
+    phi1, phi2, phi3, phi4 = (np.array([float(n == f"Phi{k}") for n in names]) for k in range(1, 5))
     low[names.index("Phi3")] = max(low[names.index("Phi3")], 0.0)
-    heavier = two + 2.0 * one
+    heavier = phi2 + 2.0 * phi1
     masses = (
-        Inequality("Phi1 to Phi3: no positive masses", np.array([[two, three], [three, one - two]]), heavier, MARGIN),
+        Inequality("Phi1 to Phi3: no positive masses", np.array([[phi2, phi3], [phi3, phi1 - phi2]]), heavier, MARGIN),
         Inequality(
-            "Phi1 to Phi4: no positive masses", np.array([[two, three], [three, one - two + four]]), heavier, MARGIN
+            "Phi1 to Phi4: no positive masses", np.array([[phi2, phi3], [phi3, phi1 - phi2 + phi4]]), heavier, MARGIN
         ),
     )
     return Physics(names, low, high, masses)

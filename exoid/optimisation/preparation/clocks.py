@@ -91,12 +91,12 @@ def late_clocks(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
     """
     if not rates:
         return ()
-    usual = least_of(rates, lambda one: abs(one.late), 1.0)
+    usual = least_of(rates, lambda clock: abs(clock.late), 1.0)
     out = []
-    for one in rates:
-        late, error = one.late - usual.late, float(np.hypot(one.late_error, usual.late_error))
-        told = replace(one, rate=0.0, late=late, late_error=error)
-        if one is not usual and one.late_share >= SHARE and abs(late) >= APART and _no_chance(late, error, 1):
+    for clock in rates:
+        late, error = clock.late - usual.late, float(np.hypot(clock.late_error, usual.late_error))
+        told = replace(clock, rate=0.0, late=late, late_error=error)
+        if clock is not usual and clock.late_share >= SHARE and abs(late) >= APART and _no_chance(late, error, 1):
             out.append(told)
     return tuple(out)
 
@@ -144,7 +144,7 @@ def _together(found: Sequence[ClockRate]) -> ClockRate:
     error = float(np.sqrt(max(1.0, scatter) / weight.sum()))
     return ClockRate(
         EVERY, mean, error, float(np.median([element.share for element in found])),
-        float(np.median([one.seconds for one in found])),
+        float(np.median([clock.seconds for clock in found])),
     )  # fmt: skip
 
 

@@ -305,7 +305,7 @@ def prepare_one(
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
     brief = even.spikes[: 0 if factor == 1 else None]
-    one = PreparedRecording(
+    recording = PreparedRecording(
         name=name,
         motion=motion,
         torque=np.empty((0, 0)),
@@ -329,8 +329,8 @@ def prepare_one(
         stances=even.stances,
     )
     if beta is None:
-        return one.without(_spikes(even, factor))
-    return one.without(even.slower_spikes(factor, lambda: base.torque(motion, beta), missing))
+        return recording.without(_spikes(even, factor))
+    return recording.without(even.slower_spikes(factor, lambda: base.torque(motion, beta), missing))
 
 
 def _spikes(even: UniformSignals, factor: int) -> Bool:

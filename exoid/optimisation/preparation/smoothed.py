@@ -39,9 +39,9 @@ def smoothed_findings(
     so that a short one does not speak for the others.
     """
     reach = np.array([joint.reach for joint in joints])
-    moves = np.min([np.ptp(one.q, axis=0) for one in even], axis=0) > 1e-3 * reach
+    moves = np.min([np.ptp(signals.q, axis=0) for signals in even], axis=0) > 1e-3 * reach
     angles = np.max([np.sqrt(0.5 * entry.rate * noise_density(entry)) for entry in even], axis=0)
-    pulls = np.min([one.span for one in even], axis=0) > 0.0
+    pulls = np.min([signals.span for signals in even], axis=0) > 0.0
     bridged = [recording.torque_gap | recording.gap[:, None] for recording in even]
     each = [quiet_noise(item.tau, item.rate, 0.5 * item.rate, gap) for item, gap in zip(even, bridged, strict=True)]
     torques = np.max(each, axis=0)
@@ -52,7 +52,7 @@ def smoothed_findings(
         _finding(of_angles, "angle", joints, moves & (angles < ENCODER * reach), angles, ENCODER, "q", where),
         _finding(TORQUES, "torque", joints, pulls & (torques < SENSOR * span), torques, SENSOR, "tau", where),
     )
-    return tuple(one for one in found if one is not None)
+    return tuple(finding for finding in found if finding is not None)
 
 
 def _finding(

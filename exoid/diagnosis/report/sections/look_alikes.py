@@ -22,7 +22,8 @@ def context(material: Material) -> Mapping[str, Any] | None:
     found = material.diagnosis.to_json()
     accepted = [_entry(item, material.model, added=True) for item in found.get("accepted", [])]
     names = {effect["name"] for effect in accepted}
-    suspects = [_entry(one, material.model, added=False) for one in found["suspects"][:MOST] if one["look_alikes"]]
+    leading = [suspect for suspect in found["suspects"][:MOST] if suspect["look_alikes"]]
+    suspects = [_entry(suspect, material.model, added=False) for suspect in leading]
     entries = accepted + [suspect for suspect in suspects if suspect["name"] not in names]
     return {"entries": entries} if entries else None
 

@@ -61,9 +61,10 @@ def _separation(found: Mapping[str, Any]) -> Mapping[str, Any]:
         "head": ("true", "fitted", "designed", "at random", "present recordings"),
         "rows": rows,
         "duration": found["duration"],
-        "notes": [way for one in found["never"] for way in one["ways"]],
+        "notes": [way for pair in found["never"] for way in pair["ways"]],
         "assumed": [
-            f"{one['name']} with {', '.join(f'{n} = {v:.3g}' for n, v in one['numbers'].items())} ({one['source']})"
-            for one in found["rivals"]
+            f"{rival['name']} with {', '.join(f'{n} = {v:.3g}' for n, v in rival['numbers'].items())} "
+            f"({rival['source']})"
+            for rival in found["rivals"]
         ],
     }

@@ -24,15 +24,15 @@ def context(material: Material) -> Mapping[str, Any] | None:
         return None
     rows = [
         (
-            title(one.name, material.model),
-            _number(one, material.model),
-            one.smallest if math.isfinite(one.smallest) else "not at any size",
-            one.usual,
-            "" if one.unit == "1" else one.unit,
-            "yes" if one.would_show else "no",
-            one.name,
+            title(power.name, material.model),
+            _number(power, material.model),
+            power.smallest if math.isfinite(power.smallest) else "not at any size",
+            power.usual,
+            "" if power.unit == "1" else power.unit,
+            "yes" if power.would_show else "no",
+            power.name,
         )
-        for one in sorted(found.power, key=lambda one: (-one.smallest / one.usual, one.name))
+        for power in sorted(found.power, key=lambda power: (-power.smallest / power.usual, power.name))
     ]
     head = ("effect", "its size", "found from", "usual", "unit", "would have shown", "id")
     return {"head": head, "rows": rows}
