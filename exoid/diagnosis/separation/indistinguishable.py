@@ -98,7 +98,7 @@ def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
 
 
 def _apart(base: Model, one: Term, other: Term | None, load: bool, lean: bool) -> bool | None:
-    """True if a second set-up separates the rivals; None where that cannot be computed."""
+    """Answer to whether a second set-up separates the rivals; None where that cannot be computed."""
     terms = [*base.terms, one, *([other] if other is not None else [])]
     tilt = "gravity_tilt"
     try:
