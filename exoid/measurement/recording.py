@@ -215,7 +215,7 @@ class Recording:
 
     @property
     def quantities(self) -> dict[str, Float]:
-        """What it holds of every joint, (N, J) each: {"q": angles, ...}, of q, dq, ddq and tau."""
+        """The quantities of every joint, (N, J) each: {"q": angles, ...}, of q, dq, ddq and tau."""
         every = {"q": self.q, "dq": self.dq, "ddq": self.ddq, "tau": self.tau}
         return {name: values for name, values in every.items() if values is not None}
 

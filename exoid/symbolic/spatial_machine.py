@@ -95,8 +95,8 @@ def _spatial(
 
 
 def _origin(robot: RobotFile, one: RobotJoint, carrier: RobotJoint | None, where: str) -> tuple[Origin, bool]:
-    """Return where a joint's frame lies in that of the chosen joint that carries it, with joints between at zero, and
-    whether an angle was taken as a right one.
+    """Return the origin of a joint's frame in that of the chosen joint that carries it, with joints between at zero,
+    and True if an angle was taken as a right one.
     """
     by_child = {joint.child: joint for joint in robot.joints.values()}
     way = [one]

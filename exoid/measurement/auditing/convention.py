@@ -1,4 +1,4 @@
-"""Which convention do recordings keep? Judged by physics: a machine fits a pendulum one way round only.
+"""The convention of recordings, judged by physics: a machine fits a pendulum one way round only.
 
 Angles and torques are read in every usual way and combination; for each reading a rough pendulum (`rough.py`) with
 inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole machine mirrored
@@ -145,8 +145,8 @@ def _with_zeros(
 def _with_counts(
     recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]], found: Better | None
 ) -> Better | None:
-    """Return what was `found` with the angles of encoders alone counted otherwise, where that fits as well as gears do:
-    how many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
+    """Return the reading `found` with the angles of encoders alone counted otherwise, where that fits as well as gears
+    do: how many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
     """
     counted = {recordings[0].joints[k].name for k in counted_joints(recordings)}
     geared = [] if found is None else [entry.name for entry in found.reading.names if "-motor=" in entry.name]

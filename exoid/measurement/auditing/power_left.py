@@ -1,4 +1,4 @@
-"""How much of the torques' power a reading leaves: a rough pendulum is fitted to all recordings, so read."""
+"""The share of the torques' power that a reading leaves: a rough pendulum is fitted to all recordings, so read."""
 
 from __future__ import annotations
 
@@ -89,7 +89,9 @@ def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypot
 
 
 def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
-    """Return which torques (J,) vary by next to nothing beside their neighbours': they say not whose they are."""
+    """Return a mask of the torques (J,) that vary by next to nothing beside their neighbours': they say not whose they
+    are.
+    """
     joints = sets[0][0].joints
     power = np.sum([m.tau[m.keep].var(axis=0) for group in sets for m in group], axis=0)
     return np.asarray(power < QUIET**2 * np.where(_near(joints), power, 0.0).max(axis=1))

@@ -135,8 +135,8 @@ def _smoothed(recording: Recording) -> Smooth | None:
 
 
 def _measured(even: Float, t: Float, step: float) -> NDArray[np.bool_]:
-    """Return which of the samples `even` (K,) lie within what was measured at `t` s, every `step`, and half a period of
-    the cut-off away from holes.
+    """Return a mask of the samples `even` (K,) that lie within what was measured at `t` s, every `step`, and half a
+    period of the cut-off away from holes.
     """
     after = np.clip(np.searchsorted(t, even, side="right"), 1, t.size - 1)
     hole = (t[after] - t[after - 1] > HOLE * step) | (even > t[-1]) | (even < t[0])
@@ -259,7 +259,7 @@ def either_sign(motion: Smooth) -> int:
 
 
 def _in_a_plane(motion: Smooth, base: Float | None) -> list[Sequence[Any]]:
-    """Return what links and weights of a planar machine take, a row per number, an entry (K,) per joint."""
+    """Return the regressors of links and weights of a planar machine, a row per number, an entry (K,) per joint."""
     joints, q, dq, ddq = motion.joints, motion.q, motion.dq, motion.ddq
     still = list(np.zeros_like(q).T)
     links = link_torques(

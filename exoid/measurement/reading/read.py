@@ -49,7 +49,7 @@ LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
 class HowRead(TypedDict, total=False):
-    """What may be said of recordings beside their columns and units, as `read_recording` explains it."""
+    """Options of reading recordings beside their columns and units, as `read_recording` explains it."""
 
     leg: str | None
     convention: str | Iterable[str]
@@ -146,7 +146,7 @@ def how_read(
     passive: str | Sequence[str] = (),
     rate: float = 0.0,
 ) -> StatedMapping:
-    """Return what was said of how to read; CallError for what cannot be said."""
+    """Return the statements about how to read; CallError for what cannot be said."""
     called = convention if isinstance(convention, str) else ",".join(convention)
     files = [join] if isinstance(join, (str, Path)) else join
     pairs = (other if isinstance(other, tuple) else (other, None) for other in files)
@@ -230,7 +230,7 @@ def _note(home: Path, kept: StatedMapping, path: Path) -> Finding:
 def _whole(
     source: Any, told: StatedMapping, name: str, machine: Machine
 ) -> tuple[RawTable, Source, str, StatedMapping]:
-    """Return what `_loaded` does, with the files that are joined to it."""
+    """Return the result of `_loaded`, with the files that are joined to it."""
     table, origin, name, told = _loaded(source, told, name, machine)
     if not told.join:
         return table, origin, name, told
