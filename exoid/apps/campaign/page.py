@@ -51,7 +51,7 @@ def render_campaign(
 def data(
     plan: Plan, rows: Sequence[Mapping[str, Any] | None], events: Sequence[str], *, running: bool
 ) -> dict[str, Any]:
-    """Return what the page shows as plain data."""
+    """Return the contents of the page as plain data."""
     done = [row for row in rows if row is not None]
     table = table_of(plan, done)
     heads = [

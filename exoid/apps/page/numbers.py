@@ -34,7 +34,7 @@ def packed(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
 
 
 def motion_of(session: Session, index: int) -> bytes:
-    """Return what a recording measured: torque, motion and load (J, K), and which samples count."""
+    """Return the measurements of a recording: torque, motion and load (J, K), and which samples count."""
     import numpy as np
 
     from exoid.diagnosis.evidence.curves import signal_of
@@ -132,8 +132,8 @@ def explained(
     joint: int | None,
     box: Mapping[str, Any] | None,
 ) -> dict[str, float]:
-    """Return which share of the error in a selection each suspect would take away: stretches of time, or a box in the
-    plane of a variable and the error of a joint.
+    """Return the share of the error in a selection that each suspect would take away: stretches of time, or a box in
+    the plane of a variable and the error of a joint.
     """
     import numpy as np
 

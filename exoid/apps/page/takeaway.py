@@ -1,4 +1,4 @@
-"""What a session becomes outside the page: commands, Python, a model file, the report, a folder to open again."""
+"""Forms of a session outside the page: commands, Python, a model file, the report, a folder to open again."""
 
 from __future__ import annotations
 

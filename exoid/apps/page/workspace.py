@@ -1,4 +1,4 @@
-"""What is open in the page: files, the session made of them, the effects added so far, and the work that goes on.
+"""The workspace open in the page: files, the session made of them, the effects added so far, and the work that goes on.
 
 One thread computes (`work.py`); what a click needs at once is answered from what is there. Every tab sees the same
 workspace; `version` says when to look again.
@@ -46,7 +46,7 @@ class BackgroundTask(Protocol):
         """End it soon."""
 
     def to_json(self) -> dict[str, Any]:
-        """What the page is told of it whenever it draws."""
+        """The data that the page is told of it whenever it draws."""
 
 
 class Workspace:
@@ -175,7 +175,7 @@ class Workspace:
         self._delete_dropped(others)
 
     def drop_place(self, name: str) -> Path:
-        """Return where a dropped file of that name may be written."""
+        """Return the path to which a dropped file of that name may be written."""
         with self.lock:
             self._ids += 1
             folder = self.place / str(self._ids)
@@ -183,7 +183,9 @@ class Workspace:
         return folder / files.safe_name(name)
 
     def session_place(self, drop: int, name: str) -> Path:
-        """Return where a file of a dropped session may be written; `name` is its path in the session's folder."""
+        """Return the path to which a file of a dropped session may be written; `name` is its path in the session's
+        folder.
+        """
         folder, _, last = name.rpartition("/")
         target = self.place / f"session-{drop}" / ("recordings" if folder else "") / files.safe_name(last)
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -339,7 +341,8 @@ class Workspace:
 
     @property
     def verdict(self) -> dict[str, Any] | None:
-        """What a search said of the present model, in the schema of `exoid discover`; None where none ended there."""
+        """The verdict of a search on the present model, in the schema of `exoid discover`; None where none ended there.
+        """
         return self.verdicts.get(frozenset(self.names))
 
     def ranking(self) -> Ranking | None:

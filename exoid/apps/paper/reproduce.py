@@ -38,7 +38,7 @@ class PaperError(ExoidError):
 
 @dataclass(frozen=True, eq=False)
 class Reproduced(AsJson):
-    """What was made again, in the order of the paper's kinds; of `seeds` seeds from `seed` on."""
+    """Reproduced items, in the order of the paper's kinds; of `seeds` seeds from `seed` on."""
 
     answered: tuple[Answered, ...]
     seed: int

@@ -57,7 +57,7 @@ class Push:
         return SHORTEST <= self.until - self.since <= LONGEST
 
     def event(self, t: float, joints: Sequence[Joint]) -> Event:
-        """Return what is to be said of it."""
+        """Return the event that reports it."""
         at = joints[self.joint]
         unit = at.unit("tau")
         text = f"pushed at {at.name} from {clock(self.since)} to {clock(self.until)}: up to {self.size:.2g} {unit} "
@@ -67,7 +67,7 @@ class Push:
 
 
 def again_and_again(several: Sequence[Push], t: float, joints: Sequence[Joint]) -> Event:
-    """Return what is to be said of several pushes, one soon after the other."""
+    """Return the event of several pushes, one soon after the other."""
     last = max(several, key=lambda one: one.size)
     one = replace(last, since=several[0].since, until=several[-1].until).event(t, joints)
     at, count = joints[last.joint], len(several)
@@ -98,15 +98,14 @@ class Pushes:
             self.seen.append(now)
 
     def events(self, t: float) -> list[Event]:
-        """Return what is to be said at `t` s of those that raised no alarm."""
+        """Return the events at `t` s of pushes that raised no alarm."""
         found = self._over(t - SETTLED)
         self.told.extend(found)
         return self._said(found, t)
 
     def explain(self, usual: Usual, t: float, rescore: Callable[[], None]) -> list[Event]:
-        """Return what is to be said of the pushes that the alarm of `t` s was, which without them is none; nothing
-        where it was something else, or pushes were told shortly before: what comes again may be a change that some
-        postures show.
+        """Return the events of the pushes that the alarm of `t` s was, which without them is none; nothing where it was
+        something else, or pushes were told shortly before: what comes again may be a change that some postures show.
 
         `rescore` judges the last windows anew.
         """

@@ -94,7 +94,7 @@ class Watcher:
         return self._count(self.stream.gate.told() + events)
 
     def finish(self) -> list[Event]:
-        """Return what the end of the stream still causes, the summary last."""
+        """Return the events that the end of the stream still causes, the summary last."""
         events = self.stream.gate.finish()
         events += [event for item in self.stream.finish() for event in self._block(item)]
         for element in [entry for entry in self.applied if not entry.refined]:
@@ -109,7 +109,7 @@ class Watcher:
 
     @property
     def last(self) -> float:
-        """Where in the stream one is, s."""
+        """The time reached in the stream, s."""
         return self.stream.last
 
     @property
@@ -119,7 +119,7 @@ class Watcher:
 
     @property
     def changed(self) -> tuple[str, ...]:
-        """What differs now from what is usual, by name."""
+        """Names of what differs now from what is usual."""
         return tuple(dict.fromkeys(item.name for c in (*self.lasting, *self.applied) for item in c.found))
 
     @property
@@ -128,7 +128,7 @@ class Watcher:
         return self.counts.get("reference", 0) > 0
 
     def state(self) -> WatchState | None:
-        """Return what has been learnt, None before anything has."""
+        """Return the state that has been learnt, None before anything has."""
         if self.reference is None or self.numbers is None:
             return None
         changes = [*self.lasting, *self.applied]
@@ -365,8 +365,8 @@ class Watcher:
         self.memory.recent.clear()
 
     def _ask(self, after: Sequence[Window], most: int = 1, but: Applied | None = None) -> Differences:
-        """Return what differs, `most` things at most: on the first seconds a second one fits what the first leaves.
-        What is known to have changed is taken out of all windows, `but` one change.
+        """Return the differences, `most` at most: on the first seconds a second one fits what the first leaves. What is
+        known to have changed is taken out of all windows, `but` one change.
         """
         assert self.reference is not None
         recent = self.memory.just_before(after)  # they show whether it came slowly

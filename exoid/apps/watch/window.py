@@ -139,9 +139,9 @@ def prepared(joints: Sequence[Joint], before: Sequence[Window], after: Sequence[
 
 
 def column_errors(model: Model, q: Float, rough: Float, shape: Float) -> Float:
-    """Return what one standard deviation of the noise of each angle makes of the columns of a model through its
-    acceleration, (K, J, J, P) at angles `q` (K, J); of less than a hundredth of that, what it makes through angle and
-    velocity, nothing is said.
+    """Return the errors (K, J, J, P) that one standard deviation of the noise of each angle makes in the columns of a
+    model through its acceleration, at angles `q` (K, J); of less than a hundredth of that, what it makes through angle
+    and velocity, nothing is said.
     """
     still = np.zeros_like(q)
 

@@ -26,7 +26,7 @@ DEVICE = re.compile(r"[A-Za-z0-9_.-]{1,64}")
 
 
 class Destination(Protocol):
-    """Where events go."""
+    """A destination of events."""
 
     def take(self, event: dict[str, Any]) -> None:
         """Take an event in plain types."""
