@@ -199,20 +199,22 @@ def _once(
     kept: dict[int, Recording] = {}
     findings = []
     for k in sorted(range(len(recordings)), key=lambda k: (-len(recordings[k]), k)):
-        one = recordings[k]
+        recording = recordings[k]
         for other in kept.values():
-            found = overlap(other, one, known)
+            found = overlap(other, recording, known)
             if found is None:
                 continue
             whole = found.share > WHOLE
             what = f"{found.sentence}; {'it is' if whole else 'these samples are'} left out, so that each counts once"
             remedy, consequence = "name every recording once", "samples counted twice fake certainty"
-            findings.append(Finding("overlap", "warning", what, _name(one), found.share, 0.0, remedy, consequence))
+            findings.append(
+                Finding("overlap", "warning", what, _name(recording), found.share, 0.0, remedy, consequence)
+            )
             if whole:
                 break
-            one = replace(one, valid=one.valid & ~found.rows)
+            recording = replace(recording, valid=recording.valid & ~found.rows)
         else:
-            kept[k] = one
+            kept[k] = recording
     return tuple(kept[k] for k in sorted(kept)), tuple(findings)
 
 

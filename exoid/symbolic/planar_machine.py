@@ -85,7 +85,7 @@ def planar_machine(
         )
         if made[-1].name != item.name:
             notes.append(f"joint {item.name!r} is called {made[-1].name} in the model")
-    limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
+    limits = {joint.name: limit for joint, item in zip(made, joints, strict=True) if (limit := limits_in(item, where))}
     model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     for k, name in enumerate(_off_axis(robot, joints, directions, normal)):
         if name and (gravity > 0.0 or parents[k] is not None):

@@ -168,7 +168,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
             "rate": told.rate,
         },
         "convention": told.convention,
-        "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
+        "conventions": [{"name": c.name, "what": c.what} for c in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
         "findings": [f.to_json() for recording in given.recordings for f in recording.findings],
     }

@@ -68,13 +68,13 @@ class Push:
 
 def again_and_again(several: Sequence[Push], t: float, joints: Sequence[Joint]) -> Event:
     """Return the event of several pushes, one soon after the other."""
-    last = max(several, key=lambda one: one.size)
-    one = replace(last, since=several[0].since, until=several[-1].until).event(t, joints)
+    last = max(several, key=lambda push: push.size)
+    event = replace(last, since=several[0].since, until=several[-1].until).event(t, joints)
     at, count = joints[last.joint], len(several)
     text = f"pushed {count} times from {clock(several[0].since)} to {clock(several[-1].until)}, most of all at "
     text += f"{at.name}: up to {last.size:.2g} {at.unit('tau')} that nothing explains and that come and go; "
     text += "nothing has changed. A person, or the ground under a foot?"
-    return replace(one, sentence=text, more={**one.more, "count": count})
+    return replace(event, sentence=text, more={**event.more, "count": count})
 
 
 @dataclass(eq=False)

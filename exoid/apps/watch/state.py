@@ -80,7 +80,7 @@ class WatchState:
             "cutoff": settings.cutoff, "rate": first[0].full_rate, "lead": [int(entry.kept[0]) for entry in first],
             "numbers": list(estimator.names), "units": list(estimator.units), "pace": list(map(float, estimator.pace)),
             "inside": estimator.inside, "followed": [_plain(element) for element in numbers.followed],
-            "changes": [_told(one) for change in changes for one in change.found],
+            "changes": [_told(found) for change in changes for found in change.found],
         }  # fmt: skip
         return cls(arrays, about)
 
@@ -139,8 +139,8 @@ class WatchState:
         for k, lead in enumerate(self.about["lead"]):
             t, *parts = (self.arrays[f"window{k}.{name}"] for name in PARTS)
             parts += [self.arrays.get(f"window{k}.force", np.zeros((len(t), 0))), np.zeros_like(parts[0])]
-            one = window(f"learnt {k}", Samples(t + later, *parts), lead, filters)
-            found.append(replace(one, torque=self.arrays[f"window{k}.torque"]))
+            learnt = window(f"learnt {k}", Samples(t + later, *parts), lead, filters)
+            found.append(replace(learnt, torque=self.arrays[f"window{k}.torque"]))
         return tuple(found)
 
     def changes(self, usual: Usual) -> list[Applied]:

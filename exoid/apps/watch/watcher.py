@@ -142,28 +142,28 @@ class Watcher:
 
     # -- blocks -----------------------------------------------------------------------------------------------
 
-    def _block(self, one: Window) -> list[Event]:
+    def _block(self, item: Window) -> list[Event]:
         if self.restored is not None:
-            return self._restore(self.restored, one) + self._block(one)
+            return self._restore(self.restored, item) + self._block(item)
         if self.reference is None:
             if self.numbers is not None:
-                self.numbers.take(one)
-                one = as_usual(one, self.numbers.now, self.lasting)
-            self.kept.append(one)
+                self.numbers.take(item)
+                item = as_usual(item, self.numbers.now, self.lasting)
+            self.kept.append(item)
             return self._learn() if len(self.kept) >= self.settings.learn else []
-        if self.outside.awake(self.reference.now.model, one):
-            self._relearn([one], anew=True)
+        if self.outside.awake(self.reference.now.model, item):
+            self._relearn([item], anew=True)
             return []
-        usual = self._as_usual(one)
+        usual = self._as_usual(item)
         block = self.reference.now.block_of(usual)
         if self.numbers is not None:
-            self.numbers.take(one, block.columns)
+            self.numbers.take(item, block.columns)
         events = self._told()
         detector = self.reference.detector
         leaving = self.memory.recent[0] if len(detector.recent) == SPANS[-1] else None
-        self.memory.recent.append(one)
+        self.memory.recent.append(item)
         found = detector.take(self.reference.scores(usual, block))
-        self.pushes.take(one, block, self.reference)
+        self.pushes.take(item, block, self.reference)
         if leaving is not None:
             self.memory.remember(self._as_usual(leaving), self.blocks)
         if self.pending is not None:
@@ -313,15 +313,15 @@ class Watcher:
         assert self.reference is not None and self.numbers is not None
         if not self.memory.recent:
             return []
-        one = self.memory.recent[-1]
+        last = self.memory.recent[-1]
         for change, among in [(change, some) for some in (self.applied, self.lasting) for change in some]:
-            left, without = (np.max(self.reference.grown_in(self._as_usual(one, but))) for but in (None, change))
+            left, without = (np.max(self.reference.grown_in(self._as_usual(last, but))) for but in (None, change))
             if without <= min(GROWN, 0.5 * left):
                 self.pending = None
                 among.remove(change)
-                self.memory.begin_at(one)
+                self.memory.begin_at(last)
                 self._rescore()
-                self.numbers.changed(change.found, Onset.at(float(one.t[0])))
+                self.numbers.changed(change.found, Onset.at(float(last.t[0])))
                 return [wording.over_event(self.last, change.found[0].name)]
         return []
 

@@ -136,11 +136,11 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sum
     apart = is_spatial(group[0].joints)
     if apart:  # small numbers of the links choose the reading there, and what sticks would drown them
         slow = SLOW * np.array([joint.reach for joint in group[0].joints])
-        speed = np.abs(np.concatenate([one.dq for one in group]))  # as the file has it: the same samples for all
+        speed = np.abs(np.concatenate([m.dq for m in group]))  # as the file has it: the same samples for all
         counts = counts & (speed > slow)
     mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
     tau = (tau - mean) * counts  # constant offsets are nobody's sign
-    q, dq, ddq = (np.concatenate(parts) for parts in zip(*((one.q, one.dq, one.ddq) for one in group), strict=True))
+    q, dq, ddq = (np.concatenate(parts) for parts in zip(*((m.q, m.dq, m.ddq) for m in group), strict=True))
     known = [recording.base for recording in group if recording.base is not None]
     base = np.concatenate(known) if len(known) == len(group) else None
     turn = to.angle.T

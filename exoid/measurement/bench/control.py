@@ -150,11 +150,11 @@ def track(
         """Return the errors in following the motion with the model `fed_by`, or with its gravity alone."""
 
         def feed_forward(wanted: Motion) -> Float:
-            one = known[fed_by]
-            if one is None:
+            chosen = known[fed_by]
+            if chosen is None:
                 return np.zeros_like(wanted.q)
             rest = np.zeros_like(wanted.q)
-            return one.torque(replace(wanted, dq=rest, ddq=rest, sign=rest) if still else wanted)
+            return chosen.torque(replace(wanted, dq=rest, ddq=rest, sign=rest) if still else wanted)
 
         made = run_bench(base, leg, effects=hidden, seed=seed, excitation=path, bench=bench, feed_forward=feed_forward)
         wanted = path.at(made.motion.t)

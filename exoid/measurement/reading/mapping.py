@@ -223,11 +223,11 @@ def _value(node: Node, columns: Mapping[str, RawColumn]) -> tuple[Float, str]:
         value, unit = _value(node.operand, columns)
         return -value, unit
     if isinstance(node, Binary) and node.operator in SIGNS:
-        (left, one), (right, other) = _value(node.left, columns), _value(node.right, columns)
+        (left, unit), (right, other) = _value(node.left, columns), _value(node.right, columns)
         value = np.asarray(SIGNS[node.operator](left, right), dtype=float)
         if node.operator == "/":
-            return value, f"{one or 1}/{other}" if other else one
-        units = [each for each in (one, other) if each]
+            return value, f"{unit or 1}/{other}" if other else unit
+        units = [each for each in (unit, other) if each]
         return value, "*".join(units) if node.operator == "*" else "+".join(dict.fromkeys(units))
     raise ExpressionError("nothing else is")
 

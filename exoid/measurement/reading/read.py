@@ -243,9 +243,12 @@ def _whole(
         more, place, label, kept = _loaded(file, told, "")
         pieces.append((more, place.path or label, lag, kept))
         sums.append(place.sha256)
-    one = joined_pieces(pieces, machine or LEG)
+    joined = joined_pieces(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
-    return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="", rate=0.0)
+    return (
+        joined, Source(origin.path, sha256("".join(sums))), name,
+        replace(told, columns={}, units={}, leg="", rate=0.0),
+    )  # fmt: skip
 
 
 def _loaded(

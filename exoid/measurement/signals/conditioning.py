@@ -224,8 +224,8 @@ def wave_products(
     numbers, reach = shapes[:, waves.place], _reach(cutoff, rate)
     if kept.size < 2 or reach >= waves.phase.size - 1 or len(numbers) < FEW or not are_even(numbers):
         return None
-    one, across, step = _filter(cutoff, rate), [bridge.in_c for bridge in bridges], int(kept[1] - kept[0])
-    return filtered_wave_products(one, waves, numbers, across, int(kept[0]), step, reach, weights, signals)
+    lowpass, across, step = _filter(cutoff, rate), [bridge.in_c for bridge in bridges], int(kept[1] - kept[0])
+    return filtered_wave_products(lowpass, waves, numbers, across, int(kept[0]), step, reach, weights, signals)
 
 
 def _reach(cutoff: float, rate: float) -> int:

@@ -200,9 +200,9 @@ def cases(kinds: Sequence[str], seeds: int, first: int = 0) -> list[Case]:
 def _pair(rng: np.random.Generator, names: list[str]) -> tuple[str, str]:
     """Return two terms of different effects."""
     while True:
-        one, two = (names[int(k)] for k in rng.choice(len(names), 2, replace=False))
-        if one.partition(":")[0] != two.partition(":")[0]:
-            return one, two
+        first, second = (names[int(k)] for k in rng.choice(len(names), 2, replace=False))
+        if first.partition(":")[0] != second.partition(":")[0]:
+            return first, second
 
 
 def hide(case: Case, model: Model, leg: Leg | Machine, rng: np.random.Generator) -> tuple[Hidden, ...]:

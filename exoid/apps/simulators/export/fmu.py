@@ -148,7 +148,8 @@ def _outside(ready: Ready) -> list[FmuVariable]:
     base = BASE_IN_SPACE if ready.model.spatial else BASE
     found = [FmuVariable(name, INPUT, unit, "motion of the base") for name, unit in base if ready.model.moving_base]
     return found + [
-        FmuVariable(f"force.{one}", INPUT, force_unit(one), "measured, on the machine") for one in ready.model.channels
+        FmuVariable(f"force.{channel}", INPUT, force_unit(channel), "measured, on the machine")
+        for channel in ready.model.channels
     ]
 
 

@@ -95,9 +95,9 @@ class Report:
         self.came = now if came else self.came
         if self.args.heartbeat and now - self.beaten >= self.args.heartbeat:
             self.beaten = now
-            one, known = self.watcher, self.watcher.reference is not None
-            lost, silent = one.stream.lost, now - self.came
-            self._object(heartbeat_event(one.last, one.blocks, known, one.changed, silent, lost).to_json())
+            watcher, known = self.watcher, self.watcher.reference is not None
+            lost, silent = watcher.stream.lost, now - self.came
+            self._object(heartbeat_event(watcher.last, watcher.blocks, known, watcher.changed, silent, lost).to_json())
 
     def _object(self, found: dict[str, Any]) -> None:
         found = {**found, "at": datetime.now(UTC).isoformat(timespec="milliseconds"), "device": self.device}
