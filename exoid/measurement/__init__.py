@@ -1,4 +1,4 @@
-"""What was measured: recordings, their audit, signals, and the virtual test bench.
+"""Measurements: recordings, their audit, signals, and the virtual test bench.
 
 In a notebook: `from exoid.measurement import read_recording`; `run = read_recording("run1.csv")`.
 """

@@ -1,4 +1,4 @@
-"""What an audit says about a recording: where, how sure, what it would do to the result, what to do."""
+"""A finding of an audit about a recording: where, how sure, what it would do to the result, what to do."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ CUFFS = {"hip": "thigh cuff", "knee": "shank cuff"}
 
 
 def usual_forces(names: Sequence[str], joints: Sequence[Joint]) -> tuple[Force, ...]:
-    """Return what columns `names` of a machine with `joints` mean where nobody says otherwise."""
+    """Return the forces that columns `names` of a machine with `joints` mean where nobody says otherwise."""
     found = []
     leg = is_leg(joints)
     for k, joint in enumerate(joints, start=1):
@@ -56,7 +56,7 @@ def pushed_model(model: Model, recordings: Sequence[Recording]) -> Model:
 
 
 def unused_forces(model: Model, recordings: Sequence[Recording]) -> tuple[Finding, ...]:
-    """Return what there is to say of columns of forces that `recordings` have and `model` does not use."""
+    """Return findings about columns of forces that `recordings` have and `model` does not use."""
     every = dict.fromkeys(name for recording in recordings for name in recording.forces)
     said = []
     for name in every:

@@ -51,7 +51,7 @@ TRACKING = threshold(
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Where a copy stands: what has to be added to the times of the copy, and its first and last sample."""
+    """The place of a copy: what has to be added to the times of the copy, and its first and last sample."""
 
     offset: float
     first: int
@@ -59,8 +59,8 @@ class Place:
 
 
 def noisy_copy(t: Float, values: Float, copy_t: Float, copy: Float) -> Place | None:
-    """Return where in `copy` (M, C) at the times `copy_t` all channels are `values` (N, C) at the times `t`, with noise
-    added; None where they are not.
+    """Return the place in `copy` (M, C) at the times `copy_t` in which all channels are `values` (N, C) at the times
+    `t`, with noise added; None where they are not.
     """
     offset = _offset(t, values, copy_t, copy)
     if offset is None:
@@ -81,7 +81,7 @@ def _rate(t: Float) -> float:
 
 
 def _offset(t: Float, values: Float, copy_t: Float, copy: Float) -> float | None:
-    """Return what has to be added to `copy_t` for the fast parts to be most alike; None where they are not alike."""
+    """Return the time to be added to `copy_t` for the fast parts to be most alike; None where they are not alike."""
     slow, quick = sorted((_rate(t), _rate(copy_t)))
     grids = [np.arange(x[0], x[-1], 1.0 / quick) for x in (t, copy_t)]
     if min(map(len, grids)) < LEAST:
@@ -104,7 +104,9 @@ def _offset(t: Float, values: Float, copy_t: Float, copy: Float) -> float | None
 
 
 def _shift(part: Float, whole: Float) -> float | None:
-    """Return where in `whole` (N,) the stretch `part` (S,) is most alike, between samples; None where it is not."""
+    """Return the index in `whole` (N,), between samples, at which the stretch `part` (S,) is most alike; None where it
+    is not.
+    """
     length = 1 << (whole.size + part.size - 1).bit_length()
     product = np.fft.irfft(np.fft.rfft(whole, length) * np.conj(np.fft.rfft(part, length)), length)
     product = product[: whole.size - part.size + 1]

@@ -87,7 +87,7 @@ class _Even:
 
 
 def overlap(first: Recording, second: Recording, known: dict[Recording, _Even] | None = None) -> Overlap | None:
-    """Return which samples of `second` are in `first` too; None where there are none.
+    """Return the overlap of two recordings, the samples of `second` that are in `first` too; None where there are none.
 
     What is `known` of recordings is used again, and added to.
     """
@@ -100,7 +100,9 @@ def overlap(first: Recording, second: Recording, known: dict[Recording, _Even] |
 
 
 def _shared_rows(first: Recording, second: Recording, known: dict[Recording, _Even]) -> Mask:
-    """Return which samples (N,) of `second` are in `first`: as they stand, every n-th of the faster, or resampled."""
+    """Return a mask (N,) of the samples of `second` that are in `first`: as they stand, every n-th of the faster, or
+    resampled.
+    """
     slow, quick = sorted((first.rate, second.rate))
     for item in (first, second):
         if item not in known:
@@ -115,7 +117,9 @@ def _shared_rows(first: Recording, second: Recording, known: dict[Recording, _Ev
 
 
 def _resampled_rows(first: Recording, second: Recording, a: _Even, b: _Even) -> Mask:
-    """Return which samples (N,) of `second` are in `first`, sampled at another rate; `a` and `b` are their samples."""
+    """Return a mask (N,) of the samples of `second` that are in `first`, sampled at another rate; `a` and `b` are their
+    samples.
+    """
     slow, quick = sorted((first.rate, second.rate))
     factor = round(quick / slow)
     if 2 <= factor <= MOST_THINNED and abs(quick / slow - factor) < 0.02 * factor:
@@ -133,8 +137,8 @@ def _resampled_rows(first: Recording, second: Recording, a: _Even, b: _Even) -> 
 
 
 def _noisy_rows(first: Recording, second: Recording, a: Float, b: Float) -> Mask:
-    """Return which samples (N,) of `second` are in `first` with noise added, or the other way round; `a` and `b` are
-    their values. Asked of the times, and sample by sample where the clocks may differ.
+    """Return a mask (N,) of the samples of `second` that are in `first` with noise added, or the other way round; `a`
+    and `b` are their values. Asked of the times, and sample by sample where the clocks may differ.
     """
     rows = np.zeros(len(b), bool)
     clocks = [(first.t, second.t)]
@@ -195,20 +199,22 @@ def _once(
     kept: dict[int, Recording] = {}
     findings = []
     for k in sorted(range(len(recordings)), key=lambda k: (-len(recordings[k]), k)):
-        one = recordings[k]
+        recording = recordings[k]
         for other in kept.values():
-            found = overlap(other, one, known)
+            found = overlap(other, recording, known)
             if found is None:
                 continue
             whole = found.share > WHOLE
             what = f"{found.sentence}; {'it is' if whole else 'these samples are'} left out, so that each counts once"
             remedy, consequence = "name every recording once", "samples counted twice fake certainty"
-            findings.append(Finding("overlap", "warning", what, _name(one), found.share, 0.0, remedy, consequence))
+            findings.append(
+                Finding("overlap", "warning", what, _name(recording), found.share, 0.0, remedy, consequence)
+            )
             if whole:
                 break
-            one = replace(one, valid=one.valid & ~found.rows)
+            recording = replace(recording, valid=recording.valid & ~found.rows)
         else:
-            kept[k] = one
+            kept[k] = recording
     return tuple(kept[k] for k in sorted(kept)), tuple(findings)
 
 
@@ -230,7 +236,7 @@ def _even(recording: Recording, rate: float | None = None, slow: float | None = 
 
 
 def _match(a: _Even, b: _Even, same: float) -> tuple[Mask, Mask]:
-    """Return which samples of `a` and of `b` are the same."""
+    """Return masks of the samples of `a` and of `b` that are the same."""
     short, long = (a, b) if len(a.fast) <= len(b.fast) else (b, a)
     in_short, in_long = np.zeros(len(short.fast), bool), np.zeros(len(long.fast), bool)
     joints = a.values.shape[1] // 2
@@ -263,7 +269,9 @@ def _moves(one: _Even, channel: int) -> bool:
 
 
 def _shift(part: Float, long: _Even, channel: int, same: float) -> int | None:
-    """Return where in a channel of `long` the stretch `part` (S,) stands, up to scale; None where it is not there."""
+    """Return the index in a channel of `long` at which the stretch `part` (S,) stands, up to scale; None where it is
+    not there.
+    """
     spectrum, power = long.spectrum(channel)
     length = 2 * (spectrum.size - 1)
     product = np.fft.irfft(spectrum * np.conj(np.fft.rfft(part, length)), length)
@@ -303,7 +311,7 @@ def _is_tone(fast: Float) -> bool:
 
 
 def likeness(a: Float, b: Float) -> float:
-    """Return how like two fast parts (N,) are, up to scale and sign: the median correlation of their BLOCKs.
+    """Return the likeness of two fast parts (N,), up to scale and sign: the median correlation of their BLOCKs.
 
     Each block counts alike: where friction jolts at a reversal, motion made again agrees, and between the jolts, where
     only noise is left, it does not.

@@ -203,7 +203,7 @@ class Recording:
         unnamed = all(joint.name == f"{UNNAMED}{k}" for k, joint in enumerate(self.joints, start=1))
         if unnamed and len(self.joints) == len(joints):
             called = {item.name: other.name for item, other in zip(self.joints, joints, strict=True)}
-            kept = ("-".join(called.get(part, part) for part in one.split("-")) for one in self.conventions)
+            kept = ("-".join(called.get(part, part) for part in name.split("-")) for name in self.conventions)
             return replace(self, joints=joints, conventions=tuple(kept))
         mine, wanted = ", ".join(self.joint_names), ", ".join(names(joints))
         count = len(self.joints)
@@ -215,7 +215,7 @@ class Recording:
 
     @property
     def quantities(self) -> dict[str, Float]:
-        """What it holds of every joint, (N, J) each: {"q": angles, ...}, of q, dq, ddq and tau."""
+        """The quantities of every joint, (N, J) each: {"q": angles, ...}, of q, dq, ddq and tau."""
         every = {"q": self.q, "dq": self.dq, "ddq": self.ddq, "tau": self.tau}
         return {name: values for name, values in every.items() if values is not None}
 

@@ -1,4 +1,4 @@
-"""Which rows of a recording may be explained: `--only "contact == 0"`, and the swings where stance is not measured.
+"""Rows of a recording that may be explained: `--only "contact == 0"`, and the swings where stance is not measured.
 
 What is left out are the torques: angles go on through it, so that their derivatives are those of the whole motion.
 """

@@ -144,8 +144,8 @@ def model_torque(model: ModelStructure, motion: Motion, linear: Any, shape: Floa
 
 
 def forces_torque(model: ModelStructure, motion: Motion, linear: Float) -> Float:
-    """Return what measured forces alone ask of the drives (N, J), for linear parameters (P,) of a model without terms;
-    zero for a model without forces.
+    """Return the torques that measured forces alone ask of the drives (N, J), for linear parameters (P,) of a model
+    without terms; zero for a model without forces.
     """
     if not model.forces:
         return np.zeros(motion.q.shape)
@@ -295,8 +295,8 @@ on an arm of six joints takes 74 instead of 30 s.
 
 
 def transformed(model: ModelStructure, term: Term, motion: Motion, linear: Float, shapes: Float, nodes: Float) -> Float:
-    """Return what a transform that is added to `model` adds to its torque, (V, J, N), at V rows of the transform's own
-    shapes `nodes` (V, S); other arguments as of `model_torque`.
+    """Return the torque (V, J, N) that a transform adds to that of `model`, at V rows of the transform's own shapes
+    `nodes` (V, S); other arguments as of `model_torque`.
     """
     words = motion_words(motion) | torque_words(model, motion, linear, shapes)
     words |= {key: nodes[:, [k]] for k, key in enumerate(term.effect.shape)}
@@ -315,8 +315,8 @@ def torque_words(model: ModelStructure, motion: Motion, linear: Float, shapes: F
 
 
 def derived_columns(model: ModelStructure, motion: Motion, shapes: Float, reference: Float) -> Callable[[Float], Float]:
-    """Return what gives the columns (V, J, m, N) of the model's last effect alone, one that changes the mechanism, at V
-    rows of shapes (V, S), any of `shapes`; other arguments as of `columns`.
+    """Return a function that gives the columns (V, J, m, N) of the model's last effect alone, one that changes the
+    mechanism, at V rows of shapes (V, S), any of `shapes`; other arguments as of `columns`.
     """
     term = model.terms[-1]
     count = len(term.effect.coefficients)

@@ -1,4 +1,4 @@
-"""Whether an effect keeps what it declares: known names, units that fit, ordered bounds, linear in its coefficients.
+"""Check that an effect keeps what it declares: known names, units that fit, ordered bounds, linear in its coefficients.
 
 Every Effect (`exoid.symbolic.effect`, above this file) is checked here when it is made, in a file of the catalogue,
 from a model file or in a notebook. A torque is evaluated with one coefficient at one and the others at zero, so it has

@@ -101,7 +101,9 @@ class Force:
 
     @property
     def along(self) -> float:
-        """Where along its link it acts, m; 0 where that is not known, and of one in space, which is `placed`."""
+        """The place along its link at which it acts, m; 0 where that is not known, and of one in space, which is
+        `placed`.
+        """
         return 0.0 if isinstance(self.at, tuple) else self.at or 0.0
 
     @property

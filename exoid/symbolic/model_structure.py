@@ -1,4 +1,4 @@
-"""What a model consists of: geometry, limits, and the physical effects it knows of.
+"""The structure of a model: geometry, limits, and the physical effects it knows of.
 
     τ = Σ_p columns_p(motion; shape) · linear_p
 
@@ -56,7 +56,7 @@ INERTIAL = ("Phi1", "Phi2", "Phi3", "Phi4")
 
 @dataclass(frozen=True)
 class Limits:
-    """What a joint may do: `angle` (low, high) rad, |velocity| rad/s, |acceleration| rad/s²."""
+    """Limits of a joint: `angle` (low, high) rad, |velocity| rad/s, |acceleration| rad/s²."""
 
     angle: tuple[float, float]
     velocity: float
@@ -310,14 +310,14 @@ class ModelStructure:
 
     @property
     def base_state(self) -> tuple[str, ...]:
-        """What a motion has of its base, in that order; nothing where the base stands still."""
+        """The quantities that a motion has of its base, in that order; nothing where the base stands still."""
         from exoid.symbolic.codegen.layout import base_state
 
         return base_state(self.moving_base, self.spatial)
 
     @property
     def friction(self) -> slice:
-        """Where among the parameters those of friction are, two per joint."""
+        """The place of the parameters of friction among all, two per joint."""
         return slice(len(self.inertial), len(self.inertial) + 2 * len(self.joints))
 
     @cached_property

@@ -65,7 +65,7 @@ class Motion:
         return int(self.t.shape[0])
 
     def __getstate__(self) -> dict[str, object]:
-        """What it consists of: what was computed from that is computed anew in another process."""
+        """Its fields: what was computed from that is computed anew in another process."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property

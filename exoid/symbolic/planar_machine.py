@@ -85,7 +85,7 @@ def planar_machine(
         )
         if made[-1].name != item.name:
             notes.append(f"joint {item.name!r} is called {made[-1].name} in the model")
-    limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
+    limits = {joint.name: limit for joint, item in zip(made, joints, strict=True) if (limit := limits_in(item, where))}
     model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     for k, name in enumerate(_off_axis(robot, joints, directions, normal)):
         if name and (gravity > 0.0 or parents[k] is not None):
@@ -128,8 +128,7 @@ def _carriers_first(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[Robo
 
 
 def held_still(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[str]:
-    """Return what is to be said of joints that carry the machine and are not in it: it hangs from a base that stands
-    still.
+    """Return sentences about joints that carry the machine and are not in it: it hangs from a base that stands still.
     """
     by_child, chosen = {entry.child: entry for entry in robot.joints.values()}, {element.name for element in joints}
     above: dict[str, RobotJoint] = {}
@@ -147,7 +146,7 @@ def held_still(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[str]:
 
 
 def carrier_name(index: int, parent: int | None, names: Sequence[str]) -> str | None:
-    """Return what `parent` a joint has in a model file; None where that is the joint before, or the first's base."""
+    """Return the `parent` of a joint in a model file; None where that is the joint before, or the first's base."""
     if parent is None:
         return "base" if index else None
     return None if parent == index - 1 else plain_name(names[parent])
@@ -192,7 +191,7 @@ def _check_names(robot: RobotFile, chosen: Sequence[str], where: str) -> None:
 
 
 def _parents(robot: RobotFile, joints: Sequence[RobotJoint], where: str) -> list[int | None]:
-    """Return which of the joints carries each; RobotFileError where one comes before its carrier."""
+    """Return the index of the joint that carries each; RobotFileError where one comes before its carrier."""
     by_child = {joint.child: joint for joint in robot.joints.values()}
     index = {entry.name: k for k, entry in enumerate(joints)}
     found: list[int | None] = []

@@ -119,7 +119,7 @@ def _placed(root: Element, where: str) -> RobotFile:
     name, children = root.get("name", "robot"), {link.get("name", ""): link for link in root.iter("link")}
     elements = list(root.findall("joint"))
     for kind, found in (("joint", elements), ("link", root.findall("link"))):
-        twice = [called for called, count in Counter(one.get("name", "") for one in found).items() if count > 1]
+        twice = [called for called, count in Counter(element.get("name", "") for element in found).items() if count > 1]
         if twice:
             raise RobotFileError(f"two {kind}s are called {twice[0][:60]!r}", where=where, remedy="rename one of them")
     of_child: dict[str, Any] = {}

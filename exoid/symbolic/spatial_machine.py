@@ -78,25 +78,26 @@ def _spatial(
     chosen = [item.name for item in joints]
     made, notes = [], [f"a spatial machine: {why}"] if why else []
     rounded = False
-    for k, (one, carrier) in enumerate(zip(joints, carriers, strict=True)):
-        origin, moved = _origin(robot, one, None if carrier is None else joints[carrier], where)
-        axis, turned = _axis(one, where)
+    for k, (element, carrier) in enumerate(zip(joints, carriers, strict=True)):
+        origin, moved = _origin(robot, element, None if carrier is None else joints[carrier], where)
+        axis, turned = _axis(element, where)
         rounded = rounded or moved or turned
-        kind = "prismatic" if one.kind == "prismatic" else "revolute"
-        made.append(Joint(plain_name(one.name), kind, None, carrier_name(k, carrier, chosen), axis=axis, origin=origin))
-        if made[-1].name != one.name:
-            notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
+        kind = "prismatic" if element.kind == "prismatic" else "revolute"
+        above = carrier_name(k, carrier, chosen)
+        made.append(Joint(plain_name(element.name), kind, None, above, axis=axis, origin=origin))
+        if made[-1].name != element.name:
+            notes.append(f"joint {element.name!r} is called {made[-1].name} in the model")
     if rounded:
         notes.append(f"angles of the file that are within {ROUNDED:g} rad of right ones are taken as those")
     notes += held_still(robot, joints)
-    limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := limits_in(one, where))}
+    limits = {joint.name: limit for joint, item in zip(made, joints, strict=True) if (limit := limits_in(item, where))}
     model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     return RobotMachine(model, tuple(chosen), tuple(notes))
 
 
 def _origin(robot: RobotFile, one: RobotJoint, carrier: RobotJoint | None, where: str) -> tuple[Origin, bool]:
-    """Return where a joint's frame lies in that of the chosen joint that carries it, with joints between at zero, and
-    whether an angle was taken as a right one.
+    """Return the origin of a joint's frame in that of the chosen joint that carries it, with joints between at zero,
+    and True if an angle was taken as a right one.
     """
     by_child = {joint.child: joint for joint in robot.joints.values()}
     way = [one]

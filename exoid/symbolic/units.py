@@ -161,7 +161,7 @@ def plain_unit(unit: str) -> str:
 
 
 def _coherent(word: str) -> str:
-    """Return what to use instead of a unit with a factor in it, "" for any other word."""
+    """Return the text to write instead of a unit with a factor in it, "" for any other word."""
     plain = plain_unit(word)
     found = ((key, table[plain]) for key, table in QUANTITIES.items() if plain in table and key != "load")  # or in volt
     return NOT_SI.get(word) or next((SI_UNIT[key] for key, factor in found if factor != 1.0), "")

@@ -71,7 +71,7 @@ def turned(angle: Float) -> Any:
 
 
 def spacing(numbers: Float) -> float:
-    """Return how far apart evenly spaced numbers are."""
+    """Return the distance between evenly spaced numbers."""
     return float(numbers[-1] - numbers[0]) / (len(numbers) - 1)
 
 

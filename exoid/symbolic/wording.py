@@ -1,4 +1,4 @@
-"""What effects and their numbers are called in sentences for people; ids stay in tables, files and commands."""
+"""Names of effects and their numbers in sentences for people; ids stay in tables, files and commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person touches: command line, figures, report.
+"""The workbench that a person uses: command line, figures, report.
 
 In a notebook: `from exoid.workbench import main`; `main(["demo", "--out", "report"])`.
 """

@@ -18,12 +18,12 @@ OFF_AXIS = {"com_offset": None, "com_offset_thigh": 0, "com_offset_shank": 1}
 
 
 def link_names(ready: Ready) -> tuple[str, ...]:
-    """Return what the links are called in a file: thigh and shank of the leg, else after their joints."""
+    """Return the names of the links in a file: thigh and shank of the leg, else after their joints."""
     return tuple(f"{name}_link" for name in ready.model.joint_names) if ready.model.chain else ("thigh", "shank")
 
 
 def base_name(links: Sequence[str]) -> str:
-    """Return what the link is called that carries the machine."""
+    """Return the name of the link that carries the machine."""
     return "base_link" if "base" in links else "base"
 
 

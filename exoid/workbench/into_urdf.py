@@ -126,7 +126,7 @@ def _same_place(mine: Joint, other: Joint) -> bool:
 
 
 def _known_body(robot: RobotFile, joint: RobotJoint, group: Sequence[str], where: str) -> Body3D | None:
-    """Return what the file says about the body that moves with a joint, in its frame; None where it is no body."""
+    """Return the file's body that moves with a joint, in its frame; None where it is no body."""
     import numpy as np
 
     numbers = np.zeros(10)
@@ -175,7 +175,7 @@ def _matched(ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], where
 def _known(
     robot: RobotFile, machine: PlanarMachine, k: int, joint: RobotJoint, group: Sequence[str], where: str
 ) -> LinkInertia | None:
-    """Return what the file says about the body that moves with a joint; None where it is no body."""
+    """Return the inertia in the file of the body that moves with a joint; None where it is no body."""
     import numpy as np
 
     along, side = machine.along[k], np.cross(machine.normal, machine.along[k])
@@ -243,7 +243,7 @@ def _placed(
 
 
 def _spans(data: bytes, where: str) -> dict[tuple[str, str], _Span]:
-    """Return where links, joints, and their <inertial> and <dynamics> (by the same name) stand in the file."""
+    """Return the places in the file of links, joints, and their <inertial> and <dynamics> (by the same name)."""
     found: dict[tuple[str, str], _Span] = {}
     open_: list[tuple[str, str, int, int, bool]] = []
 

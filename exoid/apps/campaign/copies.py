@@ -25,7 +25,7 @@ def same_recordings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def describe_copies(rows: Sequence[Mapping[str, Any]], device: str | None) -> list[str]:
-    """Return what is to be said of recordings that several jobs have, or one of them twice."""
+    """Return sentences about recordings that several jobs have, or one of them twice."""
     shared: dict[tuple[int, ...], int] = defaultdict(int)
     for places in _places(rows).values():
         if len(places) > 1:

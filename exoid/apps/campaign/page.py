@@ -51,7 +51,7 @@ def render_campaign(
 def data(
     plan: Plan, rows: Sequence[Mapping[str, Any] | None], events: Sequence[str], *, running: bool
 ) -> dict[str, Any]:
-    """Return what the page shows as plain data."""
+    """Return the contents of the page as plain data."""
     done = [row for row in rows if row is not None]
     table = table_of(plan, done)
     heads = [
@@ -98,11 +98,11 @@ def history(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any
     if plan.date is None or plan.device is None:
         return []
     found: dict[str, dict[str, Any]] = {}
-    for one in parameters(plan, rows):
-        entry = found.setdefault(one["parameter"], {"parameter": one["parameter"], "unit": one["unit"], "points": []})
-        if one["value"] is not None:
-            numbers = [_rounded(one[key], 6) for key in ("value", "low", "high")]
-            entry["points"].append([one[plan.date], one[plan.device], *numbers, one["job"]])
+    for row in parameters(plan, rows):
+        entry = found.setdefault(row["parameter"], {"parameter": row["parameter"], "unit": row["unit"], "points": []})
+        if row["value"] is not None:
+            numbers = [_rounded(row[key], 6) for key in ("value", "low", "high")]
+            entry["points"].append([row[plan.date], row[plan.device], *numbers, row["job"]])
     return list(found.values())
 
 

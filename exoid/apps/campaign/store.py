@@ -73,7 +73,7 @@ class JobStore:
         return self._sums[path]
 
     def path(self, job: Job, key: str) -> Path:
-        """Return where the answer to `job` is kept."""
+        """Return the path of the file that keeps the answer to `job`."""
         return self._folder / f"{job_file_name(job.name, key)}.json"
 
     def read(self, job: Job, key: str) -> dict[str, Any] | None:
@@ -94,7 +94,9 @@ class JobStore:
         return None
 
     def labels(self, job: Job) -> dict[str, Any]:
-        """Return what a row says of its job and not of the answer: the same content may be called something else."""
+        """Return the entries of a row about its job and not about the answer: the same content may be called something
+        else.
+        """
         sums = {role: [item[:16] for item in found] for role, found in self.sums(job).items()}
         return {"name": job.name, "fields": dict(job.fields), "sums": sums}
 
@@ -136,7 +138,7 @@ def task_of(
 
 
 def job_file_name(name: str, key: str) -> str:
-    """Return what the files of a job are called, without suffix: letters, digits, dot, dash and underscore only."""
+    """Return the name of a job's files, without suffix: letters, digits, dot, dash and underscore only."""
     kept = "".join(c if c.isascii() and (c.isalnum() or c in "._") else "-" for c in name)
     return f"{kept.strip('-.')[:80] or 'job'}-{key[:16]}"
 

@@ -1,4 +1,4 @@
-"""How a campaign asks a command about recordings."""
+"""Commands about recordings as a campaign asks them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def model_as_option(model: str | None, recordings: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class CampaignVerb:
-    """What stands behind the options: `words(model, recordings)`, and how the JSON of the command becomes its `answer`.
+    """A command of a campaign: `words(model, recordings)` stand behind its options, its JSON becomes its `answer`.
 
     `alone`: about one recording at a time, with none held out.
     """
@@ -31,7 +31,7 @@ class CampaignVerb:
 
 
 def verb_of(name: str) -> CampaignVerb:
-    """What stands behind the options of a command that a campaign can ask."""
+    """Return the CampaignVerb of a command that a campaign can ask."""
     found: CampaignVerb = import_module(with_apps(verbs)[name]).VERB
     return found
 

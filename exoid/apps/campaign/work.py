@@ -1,4 +1,4 @@
-"""What a worker does with one job: the command itself, in this process, on files it sees or on bytes it was sent."""
+"""The work on one job: the command itself, in this process, on files it sees or on bytes it was sent."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class WorkError(RuntimeError):
 
 
 def work(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what became of `task` as plain data: `status` "done", "refused" or "versions", and `result` or `reason`.
+    """Return the outcome of `task` as plain data: `status` "done", "refused" or "versions", and `result` or `reason`.
 
     `task` has the fields of a Job; its recordings as {"path", "data"} where `data` (base64) is None for a file that
     the worker sees; the text of its model file; `report` (whether one is wanted) and the sender's `versions`.

@@ -16,7 +16,7 @@ from exoid.symbolic.motion import Float
 
 
 class PymooRecipe:
-    """What recipes of pymoo's algorithms share: `ask` and `tell`, and what changes none of their runs."""
+    """Common part of recipes of pymoo's algorithms: `ask` and `tell`, and what changes none of their runs."""
 
     invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
 

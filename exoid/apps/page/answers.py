@@ -1,4 +1,4 @@
-"""What answers say of the models on the way to them, so that a number is the same wherever the page shows it."""
+"""Figures of the models on the way to an answer, so that a number is the same wherever the page shows it."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def error(workspace: Workspace, names: Names) -> list[float] | None:
 
 
 def trial(workspace: Workspace, names: Names) -> Trial | None:
-    """Return what the ranking foresees of the last of these effects; None where it has not weighed it."""
+    """Return the ranking's forecast of the last of these effects; None where it has not weighed it."""
     session = workspace.session
     if session is None or not names or session.known(names[:-1]) is None:
         return None

@@ -68,7 +68,7 @@ def _file(path: Path) -> Callable[[Request], Response]:
 
 
 def actions() -> dict[str, Action]:
-    """What is done by its name, of all panels."""
+    """Actions of all panels, by name."""
     return {name: do for panel in panel_modules() for name, do in getattr(panel, "ACTIONS", {}).items()}
 
 

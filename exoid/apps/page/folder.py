@@ -204,7 +204,9 @@ def inside(folder: Path, name: Any) -> Path:
 
 
 def _identity(source: Path) -> tuple[int, int, int, int] | None:
-    """Return what changes with a file's content; None where it is no file by itself (a folder, part of an archive)."""
+    """Return a key that changes with a file's content; None where it is no file by itself (a folder, part of an
+    archive).
+    """
     with contextlib.suppress(OSError):
         status = os.stat(source)
         if stat.S_ISREG(status.st_mode):

@@ -124,7 +124,7 @@ def _named(given: Given, recordings: tuple[Recording, ...]) -> tuple[Recording, 
 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
-    """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
+    """Return the contents of a mapping dialog: columns with first values, the best guess, and what is doubtful."""
     from exoid.measurement.reading.columns import assign_usable, canonical_columns, legs, required
     from exoid.measurement.reading.conventions import conventions_of_machine
     from exoid.measurement.reading.mapping import numbered
@@ -168,14 +168,14 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
             "rate": told.rate,
         },
         "convention": told.convention,
-        "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
+        "conventions": [{"name": c.name, "what": c.what} for c in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
         "findings": [f.to_json() for recording in given.recordings for f in recording.findings],
     }
 
 
 def _in_words(name: str, joints: Sequence[Joint]) -> str:
-    """Return what an angle, a torque, ... of a joint is called ("knee torque"), other columns by their names."""
+    """Return the name of an angle, a torque, ... of a joint ("knee torque"), other columns by their names."""
     from exoid.measurement.auditing.channels import WORDS
     from exoid.measurement.reading.names import quantity_of
 
@@ -197,7 +197,7 @@ def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None
 
 
 def told_of_all(given: Sequence[Given]) -> StatedMapping:
-    """Return what holds for a further file as well: the convention in which all files so far are read."""
+    """Return the statements that hold for a further file as well: the convention in which all files so far are read."""
     found = {entry.told.convention for entry in given}
     return StatedMapping(convention=found.pop() if len(found) == 1 else "")
 

@@ -1,4 +1,4 @@
-"""Who may talk to the local server: this machine alone, with the token that was printed, from the page itself.
+"""Clients that may talk to the local server: this machine alone, with the token that was printed, from the page itself.
 
 Another site that is open in the same browser can send requests to 127.0.0.1 too. It does not know the token, and what
 its browser says of it (Origin) is refused; a name that is made to point here (DNS rebinding) is not a Host of ours.

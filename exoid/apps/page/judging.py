@@ -15,7 +15,7 @@ Then = Callable[["Session", "Diagnosis | None", str], None]
 
 
 class Judging:
-    """What is missing beside the model as it was given, of one session at a time; `touch` is called at its end."""
+    """The search for what the model as it was given lacks, of one session at a time; `touch` is called at its end."""
 
     def __init__(self, touch: Callable[[], object]) -> None:
         self.on = True
@@ -45,7 +45,7 @@ class Judging:
         self.search = BackgroundSearch(session, (), lambda found, error: self._end(session, found, error))
 
     def answer(self, session: Session | None) -> Diagnosis | None:
-        """Return what was found for this session; None where it is not known (yet)."""
+        """Return the diagnosis of this session; None where it is not known (yet)."""
         return self._found if session is not None and session is self._session else None
 
     def told(self, session: Session | None) -> dict[str, Any] | None:

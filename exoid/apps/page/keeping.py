@@ -30,7 +30,7 @@ class Keeping:
 
     @property
     def folder(self) -> Path | None:
-        """Where the session is kept; None where it is not."""
+        """The folder in which the session is kept; None where it is not."""
         return None if self.place is None else self.place.folder
 
     def keep_in(self, place: SessionFolder, session: Callable[[], object], report: Callable[[], object]) -> None:
@@ -70,7 +70,7 @@ class Keeping:
             self._told()
 
     def reporting(self, shown: object) -> Callable[[], object] | None:
-        """Return what writes the report, in a thread of its own; None where it shows `shown` already."""
+        """Return a function that writes the report, in a thread of its own; None where it shows `shown` already."""
         if self.folder is None or self._reported == shown:
             return None
         self._reported = shown

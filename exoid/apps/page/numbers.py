@@ -34,22 +34,22 @@ def packed(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
 
 
 def motion_of(session: Session, index: int) -> bytes:
-    """Return what a recording measured: torque, motion and load (J, K), and which samples count."""
+    """Return the measurements of a recording: torque, motion and load (J, K), and which samples count."""
     import numpy as np
 
     from exoid.diagnosis.evidence.curves import signal_of
 
-    one, base = _recording(session, index), session.fitted()
-    motion = one.motion
+    recording, base = _recording(session, index), session.fitted()
+    motion = recording.motion
     arrays = {
-        "torque": one.torque,
-        "use": one.used,
-        "angle": motion.q[one.kept].T,
-        "velocity": motion.dq[one.kept].T,
-        "acceleration": motion.ddq[one.kept].T,
-        "load": np.stack([signal_of(one, base, "load", j)[one.kept] for j in range(len(one.torque))]),
+        "torque": recording.torque,
+        "use": recording.used,
+        "angle": motion.q[recording.kept].T,
+        "velocity": motion.dq[recording.kept].T,
+        "acceleration": motion.ddq[recording.kept].T,
+        "load": np.stack([signal_of(recording, base, "load", j)[recording.kept] for j in range(len(recording.torque))]),
     }
-    return packed({"recording": index, **_clock(one)}, arrays)
+    return packed({"recording": index, **_clock(recording)}, arrays)
 
 
 def error_of(workspace: Workspace, session: Session, index: int) -> bytes:
@@ -106,7 +106,7 @@ def column_of(workspace: Workspace, session: Session, index: int, name: str) -> 
     from exoid.measurement.reading.mapping import numbered
     from exoid.measurement.reading.read import open_table
 
-    one = _recording(session, index)
+    shown = _recording(session, index)
     recording = (*session.recordings, *session.verify)[index]
     file = next(f for f in workspace.given if any(r.source == recording.source for r in f.recordings))
     table = open_table(file.path)
@@ -120,9 +120,9 @@ def column_of(workspace: Workspace, session: Session, index: int, name: str) -> 
     t, good = recording.t[inside], np.isfinite(values)
     if good.sum() < 2:
         raise RecordingError(f"the column {name[:40]!r} has no numbers", where=file.name, remedy="choose another one")
-    drawn = np.interp(one.t, t[good], values[good], left=np.nan, right=np.nan)
+    drawn = np.interp(shown.t, t[good], values[good], left=np.nan, right=np.nan)
     unit = table.columns[names.index(name)].unit
-    return packed({"recording": index, "column": name, "unit": unit, **_clock(one)}, {"values": drawn[None, :]})
+    return packed({"recording": index, "column": name, "unit": unit, **_clock(shown)}, {"values": drawn[None, :]})
 
 
 def explained(
@@ -132,8 +132,8 @@ def explained(
     joint: int | None,
     box: Mapping[str, Any] | None,
 ) -> dict[str, float]:
-    """Return which share of the error in a selection each suspect would take away: stretches of time, or a box in the
-    plane of a variable and the error of a joint.
+    """Return the share of the error in a selection that each suspect would take away: stretches of time, or a box in
+    the plane of a variable and the error of a joint.
     """
     import numpy as np
 
@@ -163,15 +163,15 @@ def explained(
 def _variable(session: Session, place: int, fitted: FittedModel, variable: str, joint: int) -> np.ndarray:
     from exoid.diagnosis.evidence.curves import signal_of
 
-    one = session.searched.all[place]
+    recording = session.searched.all[place]
     if variable == "time":
-        return one.t - float(session.prepared.all[session.origins[place]].t[0])
+        return recording.t - float(session.prepared.all[session.origins[place]].t[0])
     kind, _, of = variable.partition(":")
     stem, names = {"angle": "q", "velocity": "dq", "acceleration": "ddq"}.get(kind), session.model.joint_names
     if variable != "load" and (stem is None or of not in names):
         raise RecordingError(f"there is no variable {variable[:40]!r}", remedy="reload the page")
     name = variable if stem is None else f"{stem}{names.index(of) + 1}"
-    values: np.ndarray = signal_of(one, fitted, name, joint)[one.kept]
+    values: np.ndarray = signal_of(recording, fitted, name, joint)[recording.kept]
     return values
 
 
@@ -189,12 +189,12 @@ def _on_whole(session: Session, parts: Sequence[np.ndarray], index: int) -> np.n
     """Return residuals of stretches in the place they have in the whole recording, not a number in between."""
     import numpy as np
 
-    one = session.prepared.all[index]
+    recording = session.prepared.all[index]
     if session.searched is session.prepared:
         return parts[index]
-    out = np.full(one.used.shape, np.nan)
+    out = np.full(recording.used.shape, np.nan)
     for place, origin in enumerate(session.origins):
         if origin == index:
-            first = int(np.searchsorted(one.t, session.searched.all[place].t[0] - 1e-9))
+            first = int(np.searchsorted(recording.t, session.searched.all[place].t[0] - 1e-9))
             out[:, first : first + parts[place].shape[1]] = parts[place]
     return out

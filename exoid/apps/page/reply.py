@@ -1,4 +1,4 @@
-"""What a request of the page says, and how it is answered."""
+"""Requests of the page, and answers to them."""
 
 from __future__ import annotations
 

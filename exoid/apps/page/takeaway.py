@@ -1,4 +1,4 @@
-"""What a session becomes outside the page: commands, Python, a model file, the report, a folder to open again."""
+"""Forms of a session outside the page: commands, Python, a model file, the report, a folder to open again."""
 
 from __future__ import annotations
 
@@ -135,15 +135,15 @@ def _recordings(workspace: Workspace) -> list[str]:
     """Return the recordings, and the options that say how they are read, as a command takes them."""
     named = [(entry, _shown(workspace, entry.path, entry.name)) for entry in workspace.given]
     out = [name for element, name in named if element.role == FIT]
-    if verify := [name for one, name in named if one.role == VERIFY]:
+    if verify := [name for entry, name in named if entry.role == VERIFY]:
         out += ["--verify", *verify]
-    for said in [one.told for one in workspace.given if one.told][:1]:
+    for said in [entry.told for entry in workspace.given if entry.told][:1]:
         for option, known in (("--map", said.columns), ("--units", said.units)):
             out += [option, ",".join(f"{name}={value}" for name, value in known.items())] if known else []
         out += ["--leg", said.leg] if said.leg else []
-    only = next((one.told.only for one in workspace.given if one.told.only), "")
+    only = next((entry.told.only for entry in workspace.given if entry.told.only), "")
     out += ["--only", only] if only else []
-    rate = next((one.told.rate for one in workspace.given if one.told.rate), 0.0)
+    rate = next((entry.told.rate for entry in workspace.given if entry.told.rate), 0.0)
     out += ["--rate", f"{rate:g}"] if rate else []
     for item, name in named:
         told = item.told

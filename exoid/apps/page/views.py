@@ -1,4 +1,4 @@
-"""What the page shows, as JSON: one picture of the whole workspace that every tab draws itself from."""
+"""Contents of the page, as JSON: one picture of the whole workspace that every tab draws itself from."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _reading(workspace: Workspace) -> bool:
 
 
 def details(workspace: Workspace, name: str) -> dict[str, Any]:
-    """Return what is known of one suspect: what it means, what it cannot be distinguished from, what to measure."""
+    """Return the details of one suspect: what it means, what it cannot be distinguished from, what to measure."""
     ranking = workspace.ranking()
     score = None if ranking is None else ranking.score(name)
     effect = _effect(workspace, name)
@@ -122,7 +122,7 @@ def _file(one: Any) -> dict[str, Any]:
 
 
 def _noted(workspace: Workspace, finding: Finding) -> str:
-    """Return what the audit says, with the names of files as the user knows them."""
+    """Return the text of an audit's finding, with the names of files as the user knows them."""
     text = str(finding)
     for entry in workspace.given:
         text = text.replace(str(entry.path), entry.name)
@@ -192,7 +192,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
 
 @lru_cache(maxsize=2)
 def _forces(now: FittedModel) -> tuple[ForceUse, ...]:
-    """Return what the measured forces of a fitted model are, once for all the times that the page asks."""
+    """Return the uses of the measured forces of a fitted model, once for all the times that the page asks."""
     return force_uses(now)
 
 
@@ -203,7 +203,9 @@ def _file_of(workspace: Workspace, recording: Recording) -> int | None:
 
 
 def _lengths(model: Any) -> list[float]:
-    """Return how long each link is drawn, m; the last one, whose length nobody needs to know, like the one before."""
+    """Return the length at which each link is drawn, m; the last one, whose length nobody needs to know, like the one
+    before.
+    """
     given = [joint.length for joint in tree_of(model)]
     known = [length for length in given if length]
     usual = known[-1] if known else 0.4
@@ -211,7 +213,8 @@ def _lengths(model: Any) -> list[float]:
 
 
 def _in_space(joint: Joint) -> dict[str, Any] | None:
-    """Return how a joint lies on the link that carries it: turned (3, 3), place (3,) m, axis (3,); None in a plane."""
+    """Return the pose of a joint on the link that carries it: turned (3, 3), place (3,) m, axis (3,); None in a plane.
+    """
     if joint.axis is None:
         return None
     origin = joint.origin or HERE
@@ -304,7 +307,7 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
 
 
 def _further(found: Mapping[str, Any]) -> str:
-    """Return what the sentence of an answer says beyond its headline."""
+    """Return the sentence of an answer beyond its headline."""
     named = "; ".join(effect.get("sentence", "") for effect in found["accepted"])
     return str(found["sentence"]).removeprefix(f"Missing: {named}. ")
 

@@ -1,4 +1,4 @@
-"""What a workspace computes, in one thread and in portions: reading, filtering, fitting, ranking.
+"""The work of a workspace, in one thread and in portions: reading, filtering, fitting, ranking.
 
 After each portion is looked whether something more urgent has come.
 """
@@ -53,7 +53,7 @@ def _work(space: Workspace) -> None:
 
 
 def _next(space: Workspace) -> Callable[[], object] | None:
-    """Return what is to be done first; None where there is nothing to do."""
+    """Return the work to be done first; None where there is nothing to do."""
     unread = [entry for entry in space.given if not entry.read]
     if unread:
         space.busy = f"reading {unread[0].name}"

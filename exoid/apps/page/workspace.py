@@ -1,4 +1,4 @@
-"""What is open in the page: files, the session made of them, the effects added so far, and the work that goes on.
+"""The workspace open in the page: files, the session made of them, the effects added so far, and the work that goes on.
 
 One thread computes (`work.py`); what a click needs at once is answered from what is there. Every tab sees the same
 workspace; `version` says when to look again.
@@ -46,7 +46,7 @@ class BackgroundTask(Protocol):
         """End it soon."""
 
     def to_json(self) -> dict[str, Any]:
-        """What the page is told of it whenever it draws."""
+        """The data that the page is told of it whenever it draws."""
 
 
 class Workspace:
@@ -140,11 +140,11 @@ class Workspace:
         with self.change:
             self._ids += 1
             more = {"told": files.told_of_all(self.given), **more}
-            one = Given(self._ids, self._free(files.shown_name(name)), path, _role(role), **more)
-            self.given.append(one)
+            entry = Given(self._ids, self._free(files.shown_name(name)), path, _role(role), **more)
+            self.given.append(entry)
             self._begin_anew()
         self.touch(changed=True)
-        return one
+        return entry
 
     def leave_out(self, kind: str, *names: str) -> None:
         """Note files of a folder that are no recordings."""
@@ -165,17 +165,17 @@ class Workspace:
         """
         others = [entry for entry in self.given if entry.is_other]
         rest = [item for item in self.given if not item.is_other]
-        if not others or not all(one.read for one in self.given) or not any(one.recordings for one in rest):
+        if not others or not all(entry.read for entry in self.given) or not any(entry.recordings for entry in rest):
             return
         self.given = rest
         self.left_out |= {other.name: other.error.kind for other in others if isinstance(other.error, RecordingError)}
-        held = any(element.role == VERIFY for element in others) and not any(one.role == VERIFY for one in rest)
+        held = any(element.role == VERIFY for element in others) and not any(entry.role == VERIFY for entry in rest)
         if held and len(rest) > 2:
             rest[-1] = replace(rest[-1], role=VERIFY)
         self._delete_dropped(others)
 
     def drop_place(self, name: str) -> Path:
-        """Return where a dropped file of that name may be written."""
+        """Return the path to which a dropped file of that name may be written."""
         with self.lock:
             self._ids += 1
             folder = self.place / str(self._ids)
@@ -183,7 +183,9 @@ class Workspace:
         return folder / files.safe_name(name)
 
     def session_place(self, drop: int, name: str) -> Path:
-        """Return where a file of a dropped session may be written; `name` is its path in the session's folder."""
+        """Return the path to which a file of a dropped session may be written; `name` is its path in the session's
+        folder.
+        """
         folder, _, last = name.rpartition("/")
         target = self.place / f"session-{drop}" / ("recordings" if folder else "") / files.safe_name(last)
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -220,18 +222,18 @@ class Workspace:
         old = self.find(id)
         kept = {name: getattr(old.told, name) for name in ("join", "payloads", "only")}
         said = replace(told, **kept)
-        one = files.read_given(replace(old, told=said), self.remembered, self.joints)
-        if one.error is not None:
-            raise one.error
-        files.remember_mapping(self.remembered, open_table(one.path), told)
+        entry = files.read_given(replace(old, told=said), self.remembered, self.joints)
+        if entry.error is not None:
+            raise entry.error
+        files.remember_mapping(self.remembered, open_table(entry.path), told)
         with self.change:
             self.mapped += 1
             self.answers.insert(0, told)
-            self.given[self.given.index(self.find(id))] = one
+            self.given[self.given.index(self.find(id))] = entry
             self._begin_anew()
             self._read_again()
         self.touch(changed=True)
-        return one
+        return entry
 
     def use_mapping(self, path: Path) -> None:
         """Keep what a file of `exoid map` says of columns; RecordingError where it is none."""
@@ -339,7 +341,8 @@ class Workspace:
 
     @property
     def verdict(self) -> dict[str, Any] | None:
-        """What a search said of the present model, in the schema of `exoid discover`; None where none ended there."""
+        """The verdict of a search on the present model, in the schema of `exoid discover`; None where none ended there.
+        """
         return self.verdicts.get(frozenset(self.names))
 
     def ranking(self) -> Ranking | None:

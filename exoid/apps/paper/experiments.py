@@ -153,7 +153,7 @@ class Experiments:
         return {name: self._misprinted(share) for name, share in (("derived", 0.0), ("printed", 1.0))}
 
     def published(self, period: float = 10.0) -> Excitation:
-        """Return what the published coefficients, read as degrees, are worth at a `period` in s."""
+        """Return the evaluation of the published coefficients, read as degrees, at a `period` in s."""
         return evaluate(paper_trajectory(period), self.leg, name="the paper's")
 
     @cached_property
@@ -249,7 +249,7 @@ def _record(model: Model, seed: int, excitation: Fourier | None) -> BenchRun:
 
 
 def _within(half: float | None) -> str:
-    """Return what a search of motions in a box of this half-width is called; None where they are rescaled."""
+    """Return the name of a search of motions in a box of this half-width; None where they are rescaled."""
     return f"rescaled into the limits, within ±{WIDE:g} rad" if half is None else f"∞ outside, within ±{half:g} rad"
 
 

@@ -34,7 +34,7 @@ class PaperItem(AsJson):
 
     @property
     def name(self) -> str:
-        """How it is called in a sentence: "Figures 5 and 6", "Equation: regressor"."""
+        """Its name in a sentence: "Figures 5 and 6", "Equation: regressor"."""
         if not self.printed:
             return f"{self.kind.capitalize()}: {' '.join(self.numbers)}"
         many = "s" if len(self.numbers) > 1 else ""
@@ -84,7 +84,7 @@ class PaperPicture(AsJson):
 
 @dataclass(frozen=True, eq=False)
 class ItemAnswer(AsJson):
-    """What comes out (`found`), whether the claim `holds` (one of four phrases), and `why` not where it does not.
+    """The result (`found`), whether the claim `holds` (one of four phrases), and `why` not where it does not.
 
     `text` is a formula, line by line.
     """
@@ -110,7 +110,7 @@ class Answered(AsJson):
 
     @property
     def line(self) -> str:
-        """What the paper says, what comes out, whether it holds, and why not where not, in one line."""
+        """The paper's claim, what comes out, whether it holds, and why not where not, in one line."""
         item, answer = self.item, self.answer
         verdict = f"{answer.holds}: {answer.why}" if answer.why else answer.holds
         return f"{item.name}, {item.title}. The paper: {item.says} Here: {answer.found} It {verdict}."
@@ -129,7 +129,7 @@ def item_of(file: str, module: Any) -> PaperItem:
 
 
 def item_order(item: PaperItem) -> tuple[int, int, str]:
-    """Return where an item stands: by kind, by number, what has none behind."""
+    """Return the place of an item: by kind, by number, what has none behind."""
     number = int(item.numbers[0]) if item.printed else 1_000
     return KINDS.index(item.kind), number, item.file
 

@@ -58,7 +58,7 @@ def heading(one: Answered) -> str:
 
 
 def anchor(one: Answered) -> str:
-    """Return what a link to the item's section ends with: its head in small letters, without punctuation."""
+    """Return the end of a link to the item's section: its head in small letters, without punctuation."""
     kept = "".join(c for c in heading(one).lower() if c.isalnum() or c in " -_")
     return kept.replace(" ", "-")
 

@@ -1,4 +1,4 @@
-"""What the paper prints and what is taken from it: numbers of its leg, its thresholds, its claims. No result is here.
+"""Data printed in the paper and taken from it: numbers of its leg, its thresholds, its claims. No result is here.
 
 Source: "Model Identification of 2-DOF Lower Limb Exoskeleton with Neighborhood Field Optimization Algorithm".
 """

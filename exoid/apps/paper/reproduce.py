@@ -38,7 +38,7 @@ class PaperError(ExoidError):
 
 @dataclass(frozen=True, eq=False)
 class Reproduced(AsJson):
-    """What was made again, in the order of the paper's kinds; of `seeds` seeds from `seed` on."""
+    """Reproduced items, in the order of the paper's kinds; of `seeds` seeds from `seed` on."""
 
     answered: tuple[Answered, ...]
     seed: int
@@ -55,7 +55,8 @@ class Reproduced(AsJson):
     def rows(self) -> list[tuple[str, str, str, str, str]]:
         """Return of each item its name, what the paper says, what comes out, whether it holds, why not."""
         return [
-            (one.item.name, one.item.says, one.answer.found, one.answer.holds, one.answer.why) for one in self.answered
+            (entry.item.name, entry.item.says, entry.answer.found, entry.answer.holds, entry.answer.why)
+            for entry in self.answered
         ]
 
     def to_frame(self) -> pd.DataFrame:

@@ -46,9 +46,9 @@ class FmuVariable:
 
 @dataclass(frozen=True)
 class FmuModel:
-    """What an FMU holds: a `name`, which is that of its file and its C, the `variables` in their order, C `sources`
-    {file: text}, and the statements of each part of `fmu_model.c.in` by its key. `period` s is that of its samples,
-    None where it is continuous.
+    """The contents of an FMU: a `name`, which is that of its file and its C, the `variables` in their order, C
+    `sources` {file: text}, and the statements of each part of `fmu_model.c.in` by its key. `period` s is that of its
+    samples, None where it is continuous.
     """
 
     name: str
@@ -84,7 +84,7 @@ def _compiled_files(sources: Iterable[str]) -> list[str]:
 
 
 def _token(model: FmuModel) -> str:
-    """Return what ties description and binary together: it changes with anything that either holds."""
+    """Return the token that ties description and binary together: it changes with anything that either holds."""
     told = [model.name, model.title, repr(model.variables), repr(model.period)]
     told += [part for name in sorted(model.sources) for part in (name, model.sources[name])]
     return hashlib.sha256("\n".join([*told, *map(str, sorted(model.parts.items()))]).encode()).hexdigest()[:32]
@@ -143,7 +143,7 @@ def _units(model: FmuModel) -> str:
 
 
 def _kinds(model: FmuModel, extra: str) -> str:
-    """Return what it can do: model exchange and co-simulation."""
+    """Return the elements that say what it can do: model exchange and co-simulation."""
     shared = f'modelIdentifier="{model.name}" canGetAndSetFMU{"S" if extra == "3.0" else "s"}tate="true"'
     step = "" if model.period is None or extra == "2.0" else f' fixedInternalStepSize="{model.period!r}"'
     variable = ' canHandleVariableCommunicationStepSize="true"'

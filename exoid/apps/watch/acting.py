@@ -16,7 +16,7 @@ from exoid.symbolic.motion import Float
 
 @dataclass(eq=False)
 class Applied:
-    """What was `found` to have changed at once, `since` when; `age` blocks ago, and whether it was `refined` since."""
+    """Changes that were `found` at once, `since` when; `age` blocks ago, and whether they were `refined` since."""
 
     found: tuple[ChangeFound, ...]
     since: Onset

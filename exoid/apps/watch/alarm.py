@@ -1,4 +1,4 @@
-"""When a block is called unusual: thresholds from placebos, for a rate of false alarms that is stated.
+"""Alarms, by which a block is called unusual: thresholds from placebos, for a rate of false alarms that is stated.
 
 What each column wants is compared with what it has wanted so far. Its variance has two parts: noise, which shifted
 residuals tell (`scores.placebos`), and what the error of the model makes of other motion, which blocks tell that are

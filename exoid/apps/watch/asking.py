@@ -1,4 +1,4 @@
-"""What differs between windows from before and from after, asked of the model as it is usually."""
+"""Differences between windows from before and from after, asked of the model as it is usually."""
 
 from __future__ import annotations
 
@@ -27,6 +27,6 @@ def asked_of(now: FittedModel, before: Sequence[Window], after: Sequence[Window]
 def differences_of(
     asked: FittedModel, seed: int, extra: Sequence[Effect], rules: Rules, most: int, known: Mapping[str, Float]
 ) -> Differences:
-    """Return what differs, `most` things at most; `known` {name: numbers} is what differs already."""
+    """Return the differences, `most` at most; `known` {name: numbers} are those known already."""
     rules = replace(rules, least_share=rules.artefact * rules.least_share)  # a burst resembles something for a while
     return BeforeAfter(asked, seed, tuple(extra), rules, most, known).run(0.0)

@@ -39,7 +39,7 @@ class Episode:
     """{channel: a value that it had}."""
 
     def event(self, over: bool) -> Event:
-        """Return what is to be said of it at its beginning, or when it is `over`."""
+        """Return the event of its beginning, or of its end when it is `over`."""
         what = "; ".join(f"{name} reads {value:.6g}" for name, value in self.channels.items())
         if over:
             when = f"from {clock(self.first)} to {clock(self.last)}"
@@ -88,12 +88,12 @@ class Gate:
         return passed
 
     def told(self) -> list[Event]:
-        """Return what is to be said, once."""
+        """Return the events to be told, each once."""
         events, self.events = self.events, []
         return events
 
     def finish(self) -> list[Event]:
-        """Return what is still to be said at the end; a jump of the clock that nothing confirmed is none."""
+        """Return the events still to be told at the end; a jump of the clock that nothing confirmed is none."""
         self._drop()
         if self.episode is not None:
             self.events.append(self.episode.event(over=True))

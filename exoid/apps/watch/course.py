@@ -1,4 +1,4 @@
-"""How a change came about: at once or slowly, and when it began."""
+"""The course of a change: at once or slowly, and when it began."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ VISIBLE = 8
 
 @dataclass(frozen=True)
 class Onset:
-    """When a change began, `t` in s with the interval [`low`, `high`], and whether it came slowly."""
+    """The time at which a change began, `t` in s with the interval [`low`, `high`], and whether it came slowly."""
 
     t: float
     low: float
@@ -42,7 +42,7 @@ class Onset:
 
 
 def onset(course: Course, after: float = -np.inf) -> Onset:
-    """Return when the change of `course` began; a slow one counts as begun where its rise begins.
+    """Return the onset of the change of `course`; a slow one counts as begun where its rise begins.
 
     A jump is looked for from `after` s on.
     """

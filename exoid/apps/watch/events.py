@@ -1,4 +1,4 @@
-"""What a watch reports: one event after the other, each a sentence and one JSON object.
+"""Events that a watch reports: one event after the other, each a sentence and one JSON object.
 
 `event` is one of
     "start"        the rate is known; the delay of the filters is stated
@@ -52,7 +52,7 @@ class Event:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What differs, largest first."""
+        """Names of what differs, largest first."""
         return () if self.differences is None else tuple(d.name for d in self.differences.found)
 
     def __repr__(self) -> str:

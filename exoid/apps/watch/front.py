@@ -133,7 +133,7 @@ class Filters:
 
     @property
     def delay(self) -> float:
-        """How late what is fitted is, in s."""
+        """The delay of what is fitted, in s."""
         first = HALF + ORDER * self.keep / (1.0 - self.keep) + 1.0
         return first / self.rate + COMMON_ORDER * self.common / (1.0 - self.common) / self.working
 
@@ -347,7 +347,7 @@ class FrontEnd:
         return Samples(rows[at, 0], q[at], dq, ddq, tau[at], usable, forces, noise[at + 1])
 
     def _settled(self, hole: Bool) -> Bool:
-        """Return where (N,) the first filter has forgotten the last hole."""
+        """Return a mask (N,) of samples at which the first filter has forgotten the last hole."""
         assert self.filters is not None
         place = np.arange(len(hole))
         ends = np.maximum.accumulate(np.where(hole, place + self.filters.ringing + 1, self.unsettled))

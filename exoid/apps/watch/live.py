@@ -35,8 +35,8 @@ SLOW = 0.5
 
 @dataclass(frozen=True)
 class LineNote:
-    """What is to be told of a line: that it is no sample ("skipped"), or that it says anew what the columns are
-    ("columns"); `before` samples of the same portion came before it.
+    """A note about a line: that it is no sample ("skipped"), or that it says anew what the columns are ("columns");
+    `before` samples of the same portion came before it.
     """
 
     line: int
@@ -50,8 +50,8 @@ _Places = tuple[tuple[tuple[int | str, ...], float], ...]
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where the numbers of a sample stand: `places` are keys of a JSON object, or indices of the `width` cells of a
-    line, of which the product is meant, with factors to SI; `said` is that in words.
+    """The places of a sample's numbers: `places` are keys of a JSON object, or indices of the `width` cells of a line,
+    of which the product is meant, with factors to SI; `said` is that in words.
     """
 
     places: _Places
@@ -103,7 +103,7 @@ class Lines:
         return (*required(self.joints), *(self.forces if self.outside is None else self.outside))
 
     def taken(self) -> list[LineNote]:
-        """Return what is to be told, once."""
+        """Return the notes to be told, each once."""
         notes, self.notes = self.notes, []
         return notes
 

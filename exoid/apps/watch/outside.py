@@ -1,4 +1,5 @@
-"""What acts from outside and comes with every sample: measured forces, and whether a foot is on the ground.
+"""Channels of what acts from outside, which come with every sample: measured forces, and whether a foot is on the
+ground.
 
 As everywhere else columns of forces that the model says nothing of mean the usual ones (`exoid.measurement.forces`),
 and where a foot's contact is known and the ground's force is not, torques of stance count for nothing.
@@ -52,8 +53,8 @@ class Outside:
 
     @classmethod
     def of(cls, model: Model, names: Sequence[str] | None = None) -> Outside:
-        """Return what columns `names` mean for a model, its own forces where none are named; ExoidError where one of
-        its forces is not among them.
+        """Return the columns `names` as a model knows them, those of its own forces where none are named; ExoidError
+        where one of its forces is not among them.
         """
         if names is None:
             return cls(model, model.channels, False)
@@ -84,7 +85,7 @@ class Outside:
         return (*required(self.model.joints), *((*self.model.channels, UNSEEN) if self.names else ()))
 
     def blocks(self, settings: Settings) -> Blocks:
-        """Return what filters samples and cuts them into windows."""
+        """Return the blocks, which filter samples and cut them into windows."""
         return Blocks(self.passed, len(self.model.joints), settings.block, settings.cutoff)
 
     def arranged(self, rows: Float) -> Float:

@@ -41,7 +41,7 @@ class BackgroundWatch(AsJson):
         return min(1.0, float(until - self.recording.t[0]) / max(self.recording.duration, 1e-9))
 
     def whole(self) -> dict[str, Any]:
-        """Return what was reported and the numbers so far."""
+        """Return the reported events and the numbers so far."""
         begins = {"from": float(self.recording.t[0]), "to": float(self.recording.t[-1])}
         return self.to_json() | begins | ({} if self.played is None else self.played.to_json())
 

@@ -57,7 +57,7 @@ class Push:
         return SHORTEST <= self.until - self.since <= LONGEST
 
     def event(self, t: float, joints: Sequence[Joint]) -> Event:
-        """Return what is to be said of it."""
+        """Return the event that reports it."""
         at = joints[self.joint]
         unit = at.unit("tau")
         text = f"pushed at {at.name} from {clock(self.since)} to {clock(self.until)}: up to {self.size:.2g} {unit} "
@@ -67,14 +67,14 @@ class Push:
 
 
 def again_and_again(several: Sequence[Push], t: float, joints: Sequence[Joint]) -> Event:
-    """Return what is to be said of several pushes, one soon after the other."""
-    last = max(several, key=lambda one: one.size)
-    one = replace(last, since=several[0].since, until=several[-1].until).event(t, joints)
+    """Return the event of several pushes, one soon after the other."""
+    last = max(several, key=lambda push: push.size)
+    event = replace(last, since=several[0].since, until=several[-1].until).event(t, joints)
     at, count = joints[last.joint], len(several)
     text = f"pushed {count} times from {clock(several[0].since)} to {clock(several[-1].until)}, most of all at "
     text += f"{at.name}: up to {last.size:.2g} {at.unit('tau')} that nothing explains and that come and go; "
     text += "nothing has changed. A person, or the ground under a foot?"
-    return replace(one, sentence=text, more={**one.more, "count": count})
+    return replace(event, sentence=text, more={**event.more, "count": count})
 
 
 @dataclass(eq=False)
@@ -98,15 +98,14 @@ class Pushes:
             self.seen.append(now)
 
     def events(self, t: float) -> list[Event]:
-        """Return what is to be said at `t` s of those that raised no alarm."""
+        """Return the events at `t` s of pushes that raised no alarm."""
         found = self._over(t - SETTLED)
         self.told.extend(found)
         return self._said(found, t)
 
     def explain(self, usual: Usual, t: float, rescore: Callable[[], None]) -> list[Event]:
-        """Return what is to be said of the pushes that the alarm of `t` s was, which without them is none; nothing
-        where it was something else, or pushes were told shortly before: what comes again may be a change that some
-        postures show.
+        """Return the events of the pushes that the alarm of `t` s was, which without them is none; nothing where it was
+        something else, or pushes were told shortly before: what comes again may be a change that some postures show.
 
         `rescore` judges the last windows anew.
         """

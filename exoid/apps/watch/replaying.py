@@ -35,7 +35,7 @@ SHARE = 0.33
 
 @dataclass(frozen=True, eq=False)
 class Replay(AsJson):
-    """What a watch reported of a recording: its `events`, and from when on it knew each number of the model.
+    """The report of a watch on a recording: its `events`, and from when on it knew each number of the model.
 
     `values`, `low` and `high` (K, P) are the numbers and their 95 % intervals at times `t` (K,) s.
     """
@@ -99,7 +99,7 @@ class Logbook:
             self.known, self.every = self.known[::2], 2 * self.every
 
     def played(self) -> Replay:
-        """Return what was kept."""
+        """Return the replay that was kept."""
         first = self.watcher.model.parameters
         values, low, high = (
             np.array([[getattr(e, side) for e in each] for _, each in self.known]).reshape(-1, len(first))
@@ -115,7 +115,7 @@ def replay(
     model: Model, recording: Given, settings: Settings | None = None,
     *, extra: Sequence[Effect] = (), progress: Callable[[Replay], object] | None = None,
 ) -> Replay:  # fmt: skip
-    """Return what a watch reports of a recording; `progress` hears of it after every block.
+    """Return the report of a watch on a recording; `progress` hears of it after every block.
 
     Without `settings` the first third says what is usual, two minutes at most. RecordingError for one that is too
     short.

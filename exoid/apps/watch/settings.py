@@ -1,4 +1,4 @@
-"""How a watch works: how long it learns, how soon it names, how often it may be wrong."""
+"""Settings of a watch: how long it learns, how soon it names, how often it may be wrong."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from exoid.apps.watch.recursive.estimator import Pace
 
 @dataclass(frozen=True)
 class Settings:
-    """How a watch works. `block` s are judged at a time; `learn` blocks say at first what is usual; a change is named
+    """Settings of a watch. `block` s are judged at a time; `learn` blocks say at first what is usual; a change is named
     when it has lasted `least` blocks and once more after `sure`; `alarms_per_day` false alarms are accepted; `placebos`
     are drawn per block for the threshold, and `draws` for a name. `estimates` says every so many blocks what the
     numbers are (0: never).

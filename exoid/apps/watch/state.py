@@ -1,4 +1,4 @@
-"""What a watch has learnt, on disk: it survives a restart, and damage meanwhile does not become usual.
+"""The state that a watch has learnt, on disk: it survives a restart, and damage meanwhile does not become usual.
 
 A file holds the windows that said what is usual, from which model and thresholds come out again as they were, the
 state of the estimator, and what had changed. It is an NPZ archive of plain numbers and one text of JSON.
@@ -66,7 +66,7 @@ class WatchState:
         cls, model: Model, settings: Settings, first: Sequence[Window], changes: Sequence[Applied],
         numbers: FollowedNumbers,
     ) -> WatchState:  # fmt: skip
-        """Return what is known of a `model`: the windows that said what is usual, what has changed, the numbers."""
+        """Return the state of a `model`: the windows that said what is usual, what has changed, the numbers."""
         estimator = numbers.estimator
         arrays = {f"estimator.{name}": np.array(getattr(estimator, name), dtype=float) for name in OF_ESTIMATOR}
         for k, item in enumerate(first):
@@ -80,7 +80,7 @@ class WatchState:
             "cutoff": settings.cutoff, "rate": first[0].full_rate, "lead": [int(entry.kept[0]) for entry in first],
             "numbers": list(estimator.names), "units": list(estimator.units), "pace": list(map(float, estimator.pace)),
             "inside": estimator.inside, "followed": [_plain(element) for element in numbers.followed],
-            "changes": [_told(one) for change in changes for one in change.found],
+            "changes": [_told(found) for change in changes for found in change.found],
         }  # fmt: skip
         return cls(arrays, about)
 
@@ -123,8 +123,8 @@ class WatchState:
     def taken_over(
         self, outside: Outside, settings: Settings, extra: Sequence[Effect], rng: np.random.Generator, one: Window
     ) -> tuple[tuple[Window, ...], Usual, list[Applied], FollowedNumbers]:
-        """Return what is known again at the window `one`, the first of a stream: the windows that said what is usual,
-        that, what has changed, and the numbers. StateError where the state is of something else.
+        """Return the knowledge taken over at the window `one`, the first of a stream: the windows that said what is
+        usual, that, what has changed, and the numbers. StateError where the state is of something else.
         """
         self.check(outside.model, settings, one)
         first = self.windows(float(one.t[0]) - settings.block)
@@ -139,12 +139,12 @@ class WatchState:
         for k, lead in enumerate(self.about["lead"]):
             t, *parts = (self.arrays[f"window{k}.{name}"] for name in PARTS)
             parts += [self.arrays.get(f"window{k}.force", np.zeros((len(t), 0))), np.zeros_like(parts[0])]
-            one = window(f"learnt {k}", Samples(t + later, *parts), lead, filters)
-            found.append(replace(one, torque=self.arrays[f"window{k}.torque"]))
+            learnt = window(f"learnt {k}", Samples(t + later, *parts), lead, filters)
+            found.append(replace(learnt, torque=self.arrays[f"window{k}.torque"]))
         return tuple(found)
 
     def changes(self, usual: Usual) -> list[Applied]:
-        """Return what had changed, as it acts on what comes."""
+        """Return the changes so far, as they act on what comes."""
         found = tuple(_change(change, usual) for change in self.about["changes"])
         return [Applied(found, EVER, SPANS[-1], True)] if found else []
 

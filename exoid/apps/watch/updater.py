@@ -125,7 +125,7 @@ def _body(function: Any, joints: int) -> str:
 
 
 def _operations(function: Any, joints: int, count: int, filters: Filters) -> str:
-    """Return how much a period takes, in words; counted, not measured."""
+    """Return the operations that a period takes, in words; counted, not measured."""
     always = 2 * joints * ORDER * 3 + joints * (2 * HALF + 1) ** 2
     working = function.n_instructions() + joints * (count + 2) * COMMON_ORDER * 3
     kept = joints * (6 + 3 * joints) * count**2 + count**3 // 3 + 16 * count**3 + 14 * count**2

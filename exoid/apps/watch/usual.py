@@ -1,4 +1,4 @@
-"""What is usual: the model fitted to windows from before, what is watched, and when a deviation is called one."""
+"""The usual state: the model fitted to windows from before, what is watched, and when a deviation is called one."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ REST = threshold(
 
 @dataclass(frozen=True, eq=False)
 class Usual:
-    """What is usual: the model fitted to windows from before, what is watched, and the detector."""
+    """The usual state: the model fitted to windows from before, what is watched, and the detector."""
 
     now: FittedModel
     watched: Watched
@@ -48,7 +48,7 @@ class Usual:
     """{name: whatever may change}"""
 
     def scores(self, one: Window, block: RecordingEvidence | None = None) -> Scores:
-        """Return how much of all columns a window has beyond what is usual; `block` is it as evidence, if known."""
+        """Return the scores of all columns in a window beyond what is usual; `block` is it as evidence, if known."""
         block = block or self.now.block_of(one)
         return scores(self.watched.columns(one, block.columns), block.residual, block.use, self.scale, block)
 
@@ -71,7 +71,7 @@ def learned(
     model: Model, kept: Sequence[Window], usual: Sequence[Window], settings: Settings, extra: Sequence[Effect],
     rng: np.random.Generator,
 ) -> Usual:  # fmt: skip
-    """Return what is usual: the model fitted to the `usual` windows, the detector calibrated on each of `kept`.
+    """Return the usual state: the model fitted to the `usual` windows, the detector calibrated on each of `kept`.
 
     ExoidError where they do not determine the model.
     """

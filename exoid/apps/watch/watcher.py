@@ -94,7 +94,7 @@ class Watcher:
         return self._count(self.stream.gate.told() + events)
 
     def finish(self) -> list[Event]:
-        """Return what the end of the stream still causes, the summary last."""
+        """Return the events that the end of the stream still causes, the summary last."""
         events = self.stream.gate.finish()
         events += [event for item in self.stream.finish() for event in self._block(item)]
         for element in [entry for entry in self.applied if not entry.refined]:
@@ -109,7 +109,7 @@ class Watcher:
 
     @property
     def last(self) -> float:
-        """Where in the stream one is, s."""
+        """The time reached in the stream, s."""
         return self.stream.last
 
     @property
@@ -119,7 +119,7 @@ class Watcher:
 
     @property
     def changed(self) -> tuple[str, ...]:
-        """What differs now from what is usual, by name."""
+        """Names of what differs now from what is usual."""
         return tuple(dict.fromkeys(item.name for c in (*self.lasting, *self.applied) for item in c.found))
 
     @property
@@ -128,7 +128,7 @@ class Watcher:
         return self.counts.get("reference", 0) > 0
 
     def state(self) -> WatchState | None:
-        """Return what has been learnt, None before anything has."""
+        """Return the state that has been learnt, None before anything has."""
         if self.reference is None or self.numbers is None:
             return None
         changes = [*self.lasting, *self.applied]
@@ -142,28 +142,28 @@ class Watcher:
 
     # -- blocks -----------------------------------------------------------------------------------------------
 
-    def _block(self, one: Window) -> list[Event]:
+    def _block(self, item: Window) -> list[Event]:
         if self.restored is not None:
-            return self._restore(self.restored, one) + self._block(one)
+            return self._restore(self.restored, item) + self._block(item)
         if self.reference is None:
             if self.numbers is not None:
-                self.numbers.take(one)
-                one = as_usual(one, self.numbers.now, self.lasting)
-            self.kept.append(one)
+                self.numbers.take(item)
+                item = as_usual(item, self.numbers.now, self.lasting)
+            self.kept.append(item)
             return self._learn() if len(self.kept) >= self.settings.learn else []
-        if self.outside.awake(self.reference.now.model, one):
-            self._relearn([one], anew=True)
+        if self.outside.awake(self.reference.now.model, item):
+            self._relearn([item], anew=True)
             return []
-        usual = self._as_usual(one)
+        usual = self._as_usual(item)
         block = self.reference.now.block_of(usual)
         if self.numbers is not None:
-            self.numbers.take(one, block.columns)
+            self.numbers.take(item, block.columns)
         events = self._told()
         detector = self.reference.detector
         leaving = self.memory.recent[0] if len(detector.recent) == SPANS[-1] else None
-        self.memory.recent.append(one)
+        self.memory.recent.append(item)
         found = detector.take(self.reference.scores(usual, block))
-        self.pushes.take(one, block, self.reference)
+        self.pushes.take(item, block, self.reference)
         if leaving is not None:
             self.memory.remember(self._as_usual(leaving), self.blocks)
         if self.pending is not None:
@@ -313,15 +313,15 @@ class Watcher:
         assert self.reference is not None and self.numbers is not None
         if not self.memory.recent:
             return []
-        one = self.memory.recent[-1]
+        last = self.memory.recent[-1]
         for change, among in [(change, some) for some in (self.applied, self.lasting) for change in some]:
-            left, without = (np.max(self.reference.grown_in(self._as_usual(one, but))) for but in (None, change))
+            left, without = (np.max(self.reference.grown_in(self._as_usual(last, but))) for but in (None, change))
             if without <= min(GROWN, 0.5 * left):
                 self.pending = None
                 among.remove(change)
-                self.memory.begin_at(one)
+                self.memory.begin_at(last)
                 self._rescore()
-                self.numbers.changed(change.found, Onset.at(float(one.t[0])))
+                self.numbers.changed(change.found, Onset.at(float(last.t[0])))
                 return [wording.over_event(self.last, change.found[0].name)]
         return []
 
@@ -365,8 +365,8 @@ class Watcher:
         self.memory.recent.clear()
 
     def _ask(self, after: Sequence[Window], most: int = 1, but: Applied | None = None) -> Differences:
-        """Return what differs, `most` things at most: on the first seconds a second one fits what the first leaves.
-        What is known to have changed is taken out of all windows, `but` one change.
+        """Return the differences, `most` at most: on the first seconds a second one fits what the first leaves. What is
+        known to have changed is taken out of all windows, `but` one change.
         """
         assert self.reference is not None
         recent = self.memory.just_before(after)  # they show whether it came slowly

@@ -119,14 +119,14 @@ def _joined(group: Sequence[Window]) -> Window:
         first,
         motion=Motion(**moved),
         torque=np.concatenate([element.torque for element in group], axis=1),
-        rough=np.concatenate([one.rough for one in group]),
-        steady=np.concatenate([one.steady for one in group], axis=1),
-        used=np.concatenate([one.used for one in group], axis=1),
-        kept=np.concatenate([one.kept - cut + at for one, cut, at in zip(group, cuts, starts[:-1], strict=True)]),
-        wide_tau=whole(one.wide_tau for one in group),
-        stuck=whole(one.stuck for one in group),
-        hidden=whole(one.hidden for one in group),
-        weights=whole(one.weights for one in group),
+        rough=np.concatenate([part.rough for part in group]),
+        steady=np.concatenate([part.steady for part in group], axis=1),
+        used=np.concatenate([part.used for part in group], axis=1),
+        kept=np.concatenate([part.kept - cut + at for part, cut, at in zip(group, cuts, starts[:-1], strict=True)]),
+        wide_tau=whole(part.wide_tau for part in group),
+        stuck=whole(part.stuck for part in group),
+        hidden=whole(part.hidden for part in group),
+        weights=whole(part.weights for part in group),
     )
 
 
@@ -139,9 +139,9 @@ def prepared(joints: Sequence[Joint], before: Sequence[Window], after: Sequence[
 
 
 def column_errors(model: Model, q: Float, rough: Float, shape: Float) -> Float:
-    """Return what one standard deviation of the noise of each angle makes of the columns of a model through its
-    acceleration, (K, J, J, P) at angles `q` (K, J); of less than a hundredth of that, what it makes through angle and
-    velocity, nothing is said.
+    """Return the errors (K, J, J, P) that one standard deviation of the noise of each angle makes in the columns of a
+    model through its acceleration, at angles `q` (K, J); of less than a hundredth of that, what it makes through angle
+    and velocity, nothing is said.
     """
     still = np.zeros_like(q)
 

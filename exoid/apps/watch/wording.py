@@ -1,4 +1,4 @@
-"""What a watch says: the event of each thing that it reports."""
+"""Sentences of a watch: the event of each thing that it reports."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def change_event(t: float, answer: Differences, found: Deviation | None, state: 
 
 
 def onset_of(answer: Differences, last: Sequence[Window], begun: float = -np.inf) -> Onset | None:
-    """Return when what was found began, where the windows `last` were taken for after; None where that is unknown.
+    """Return the onset of what was found, where the windows `last` were taken for after; None where that is unknown.
 
     What began before a watch that has `begun` with what another one had learnt, did so while nobody watched.
     """

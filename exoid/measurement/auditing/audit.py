@@ -24,8 +24,7 @@ def find_checks() -> dict[str, Check]:
 
 
 def audit(recording: Recording) -> tuple[Finding, ...]:
-    """Return what every check finds in `recording`, worst first; findings it already carries are kept in
-    front."""
+    """Return the findings of every check of `recording`, worst first; findings it already carries are kept in front."""
     found = [finding for check in find_checks().values() for finding in check(recording)]
     found.sort(key=lambda finding: SEVERITIES.index(finding.severity))
     return recording.findings + tuple(found)

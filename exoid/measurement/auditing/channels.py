@@ -1,4 +1,4 @@
-"""What checks share: channels with their labels, the words for a place, runs of equal rows."""
+"""Common parts of checks: channels with their labels, the words for a place, runs of equal rows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which convention do recordings keep? Judged by physics: a machine fits a pendulum one way round only.
+"""The convention of recordings, judged by physics: a machine fits a pendulum one way round only.
 
 Angles and torques are read in every usual way and combination; for each reading a rough pendulum (`rough.py`) with
 inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole machine mirrored
@@ -145,8 +145,8 @@ def _with_zeros(
 def _with_counts(
     recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]], found: Better | None
 ) -> Better | None:
-    """Return what was `found` with the angles of encoders alone counted otherwise, where that fits as well as gears do:
-    how many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
+    """Return the reading `found` with the angles of encoders alone counted otherwise, where that fits as well as gears
+    do: how many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
     """
     counted = {recordings[0].joints[k].name for k in counted_joints(recordings)}
     geared = [] if found is None else [entry.name for entry in found.reading.names if "-motor=" in entry.name]
@@ -167,7 +167,7 @@ def _odd(
     if not is_spatial(recordings[0].joints):
         return recordings
     left = [_stands(sets) if (sets := smoothed_groups([item], weighs, forces)) else 0.0 for item in recordings]
-    return [one for one, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
+    return [item for item, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
 
 
 def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequence[Sequence[Smooth]]) -> bool:
@@ -192,13 +192,13 @@ def _read_so(
 ) -> list[list[Smooth]]:
     """Return all recordings smoothed, of which those that are `odd` are read in another way."""
 
-    def other(one: Recording) -> Recording:
-        kept = combined_map(conventions(one.conventions, one.joints), one.joints)
-        q, tau = better.reading.map.applied(*kept.undone(one.q, one.tau))
-        return replace(one, q=q, tau=tau, dq=None, ddq=None)
+    def other(item: Recording) -> Recording:
+        kept = combined_map(conventions(item.conventions, item.joints), item.joints)
+        q, tau = better.reading.map.applied(*kept.undone(item.q, item.tau))
+        return replace(item, q=q, tau=tau, dq=None, ddq=None)
 
     strange = {id(item) for item in odd}
-    return smoothed_groups([other(one) if id(one) in strange else one for one in recordings], weighs, forces)
+    return smoothed_groups([other(item) if id(item) in strange else item for item in recordings], weighs, forces)
 
 
 def _known(recording: Recording) -> bool:

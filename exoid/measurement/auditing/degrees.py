@@ -90,7 +90,7 @@ def _before_a_gear(draft: Draft) -> bool:
 
 
 def _reach(draft: Draft, name: str) -> float:
-    """Return how far from zero a column goes, but for its largest fiftieth."""
+    """Return the largest distance of a column from zero, but for its largest fiftieth."""
     some = sampled(draft.columns[name][draft.good(name)])
     return float(np.percentile(np.abs(some), 98)) if some.size else 0.0
 

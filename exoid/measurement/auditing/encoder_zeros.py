@@ -1,4 +1,4 @@
-"""Where the zeros of encoders lie: counts start anywhere, so that of angles that were counted no usual zero need fit.
+"""The zeros of encoders: counts start anywhere, so that of angles that were counted no usual zero need fit.
 
 Asked only of angles that are counts with a scale that was given; any other has its zero where somebody put it.
 """

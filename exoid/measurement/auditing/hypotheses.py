@@ -1,4 +1,4 @@
-"""Which readings of recordings are tried: combinations of conventions, a machine and its mirror image once."""
+"""The readings of recordings that are tried: combinations of conventions, a machine and its mirror image once."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def _groups_of_names(joints: tuple[Joint, ...]) -> Sequence[Options]:
 
 
 def _group(name: str, order: int, joints: Sequence[Joint]) -> str:
-    """Return what is the same for conventions that exclude each other: all channels once, a joint's sign, its zero."""
+    """Return a key that conventions share which exclude each other: all channels once, a joint's sign, its zero."""
     if order == 0 or name == "load-torque" or name.partition("-")[0] == MOTORS:
         return name.partition("-")[0]
     if name == "absolute-angles":
@@ -194,7 +194,7 @@ def cost_of(one: ConventionHypothesis) -> float:
 
 
 def _key(to: Map, joints: Sequence[Joint], still: bool = True) -> tuple[float, ...]:
-    """Return what is the same for two maps of which one is the other's mirror image, where the base is `still`.
+    """Return a key that two maps share of which one is the other's mirror image, where the base is `still`.
 
     A mirror leaves what slides along a link alone; where all joints slide, it stands at the end of the way.
     """

@@ -1,4 +1,4 @@
-"""How much of the torques' power a reading leaves: a rough pendulum is fitted to all recordings, so read."""
+"""The share of the torques' power that a reading leaves: a rough pendulum is fitted to all recordings, so read."""
 
 from __future__ import annotations
 
@@ -89,7 +89,9 @@ def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypot
 
 
 def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
-    """Return which torques (J,) vary by next to nothing beside their neighbours': they say not whose they are."""
+    """Return a mask of the torques (J,) that vary by next to nothing beside their neighbours': they say not whose they
+    are.
+    """
     joints = sets[0][0].joints
     power = np.sum([m.tau[m.keep].var(axis=0) for group in sets for m in group], axis=0)
     return np.asarray(power < QUIET**2 * np.where(_near(joints), power, 0.0).max(axis=1))
@@ -134,11 +136,11 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sum
     apart = is_spatial(group[0].joints)
     if apart:  # small numbers of the links choose the reading there, and what sticks would drown them
         slow = SLOW * np.array([joint.reach for joint in group[0].joints])
-        speed = np.abs(np.concatenate([one.dq for one in group]))  # as the file has it: the same samples for all
+        speed = np.abs(np.concatenate([m.dq for m in group]))  # as the file has it: the same samples for all
         counts = counts & (speed > slow)
     mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
     tau = (tau - mean) * counts  # constant offsets are nobody's sign
-    q, dq, ddq = (np.concatenate(parts) for parts in zip(*((one.q, one.dq, one.ddq) for one in group), strict=True))
+    q, dq, ddq = (np.concatenate(parts) for parts in zip(*((m.q, m.dq, m.ddq) for m in group), strict=True))
     known = [recording.base for recording in group if recording.base is not None]
     base = np.concatenate(known) if len(known) == len(group) else None
     turn = to.angle.T

@@ -135,8 +135,8 @@ def _smoothed(recording: Recording) -> Smooth | None:
 
 
 def _measured(even: Float, t: Float, step: float) -> NDArray[np.bool_]:
-    """Return which of the samples `even` (K,) lie within what was measured at `t` s, every `step`, and half a period of
-    the cut-off away from holes.
+    """Return a mask of the samples `even` (K,) that lie within what was measured at `t` s, every `step`, and half a
+    period of the cut-off away from holes.
     """
     after = np.clip(np.searchsorted(t, even, side="right"), 1, t.size - 1)
     hole = (t[after] - t[after - 1] > HOLE * step) | (even > t[-1]) | (even < t[0])
@@ -200,12 +200,12 @@ def columns(q: Float, dq: Float, ddq: Float) -> Float:
     s1, s12 = np.sin(q[:, 0]), np.sin(q[:, 0] + q[:, 1])
     s2, c2 = np.sin(q[:, 1]), np.cos(q[:, 1])
     (v1, v2), (a1, a2) = dq.T, ddq.T
-    none, one = np.zeros_like(s1), np.ones_like(s1)
+    none, ones = np.zeros_like(s1), np.ones_like(s1)
     hip = [a1, a1 + a2, c2 * (2 * a1 + a2) - s2 * (2 * v1 * v2 + v2**2), s1, s12]
     knee = [none, a1 + a2, c2 * a1 + s2 * v1**2, none, s12]
     soft1, soft2 = np.tanh(v1 / TURNS), np.tanh(v2 / TURNS)
-    hip += [none, soft1, v1, none, none, one, -one, none, none]
-    knee += [a2, none, none, soft2, v2, none, none, one, -one]
+    hip += [none, soft1, v1, none, none, ones, -ones, none, none]
+    knee += [a2, none, none, soft2, v2, none, none, ones, -ones]
     return np.stack([np.column_stack(hip), np.column_stack(knee)])
 
 
@@ -259,7 +259,7 @@ def either_sign(motion: Smooth) -> int:
 
 
 def _in_a_plane(motion: Smooth, base: Float | None) -> list[Sequence[Any]]:
-    """Return what links and weights of a planar machine take, a row per number, an entry (K,) per joint."""
+    """Return the regressors of links and weights of a planar machine, a row per number, an entry (K,) per joint."""
     joints, q, dq, ddq = motion.joints, motion.q, motion.dq, motion.ddq
     still = list(np.zeros_like(q).T)
     links = link_torques(

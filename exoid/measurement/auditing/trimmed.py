@@ -1,4 +1,4 @@
-"""Which stretches of time does a model explain best? Least trimmed squares over windows.
+"""Stretches of time that a model explains best: least trimmed squares over windows.
 
 Where something that nobody measured acts in part of the time (a foot on the ground, a hand), numbers fitted to all
 samples are wrong everywhere; those fitted to the stretches that they explain best are right in the rest. Concentration

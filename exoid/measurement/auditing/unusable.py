@@ -1,4 +1,4 @@
-"""What a sensor certainly did not measure: torques that are rounding are read as zero, and stretches without a
+"""Samples that a sensor certainly did not measure: torques that are rounding are read as zero, and stretches without a
 measurement are masked like bad cells; both are said.
 
 A frozen or saturated stretch is no outlier: its rows agree with each other, so no loss can tell them from the truth.

@@ -1,4 +1,5 @@
-"""Why a missing effect matters: the leg on the bench follows a motion, fed forward by models that know more or less.
+"""The benefit of finding a missing effect: the leg on the bench follows a motion, fed forward by models that know more
+or less.
 
     τ = τ_model(θ_d, θ_d', θ_d'') + kp (θ_d - θ) + kd (θ_d' - θ̂')
 
@@ -34,8 +35,9 @@ NOTHING, GRAVITY, TRUTH = "no model", "gravity of ", "the truth"
 
 @dataclass(frozen=True, eq=False)
 class Followed(AsJson):
-    """How well a controller with one feed-forward follows: `error` (J,) rad RMS of the angles, `feedback` (J,) N·m RMS
-    of what is left to the feedback, `effort` (J,) N·m RMS of the whole torque; `t` (N,) s and `course` (N, J) rad.
+    """The accuracy with which a controller with one feed-forward follows: `error` (J,) rad RMS of the angles,
+    `feedback` (J,) N·m RMS of what is left to the feedback, `effort` (J,) N·m RMS of the whole torque; `t` (N,) s and
+    `course` (N, J) rad.
     """
 
     name: str
@@ -62,7 +64,7 @@ class Tracking:
 
     @property
     def sentence(self) -> str:
-        """What the better model gains, in words."""
+        """The gain of the better model, in words."""
         parts = []
         for j, joint in enumerate(self.joints):
             values = ", ".join(f"{1e3 * run.error[j]:.2g} mrad with {run.name}" for run in self.runs)
@@ -145,14 +147,14 @@ def track(
     poorest = next(iter(models))
 
     def followed(name: str, fed_by: str, still: bool = False) -> Followed:
-        """Return how well the motion is followed with the model `fed_by`, or with its gravity alone."""
+        """Return the errors in following the motion with the model `fed_by`, or with its gravity alone."""
 
         def feed_forward(wanted: Motion) -> Float:
-            one = known[fed_by]
-            if one is None:
+            chosen = known[fed_by]
+            if chosen is None:
                 return np.zeros_like(wanted.q)
             rest = np.zeros_like(wanted.q)
-            return one.torque(replace(wanted, dq=rest, ddq=rest, sign=rest) if still else wanted)
+            return chosen.torque(replace(wanted, dq=rest, ddq=rest, sign=rest) if still else wanted)
 
         made = run_bench(base, leg, effects=hidden, seed=seed, excitation=path, bench=bench, feed_forward=feed_forward)
         wanted = path.at(made.motion.t)

@@ -21,8 +21,8 @@ from exoid.measurement.bench.machine import Machine
 
 @dataclass(frozen=True)
 class Controller:
-    """How stiffly the machine follows: `bandwidth` in Hz per joint (the last for all further ones), `damping` (ratio),
-    `differentiator` cut-off in Hz.
+    """The stiffness with which the machine follows: `bandwidth` in Hz per joint (the last for all further ones),
+    `damping` (ratio), `differentiator` cut-off in Hz.
     """
 
     bandwidth: tuple[float, ...] = (3.0, 4.5)

@@ -1,4 +1,4 @@
-"""What is hidden in the leg on the bench: an effect, its joint and its size.
+"""Effects hidden in the leg on the bench, each with its joint and its size.
 
 A size is given as numbers for the effect's coefficients and shapes; what is not given takes its typical
 value. On the command line: `ID[:joint][=size]`, where size is one number (the first coefficient; the others
@@ -52,7 +52,7 @@ class Hidden:
 
 
 def parse_hidden(text: str) -> Hidden:
-    """Return what `ID[:joint][=size]` says; EffectError where the text has another form or a number is not
+    """Return the effect that `ID[:joint][=size]` names; EffectError where the text has another form or a number is not
     finite.
     """
     name, equals, size = text.partition("=")
@@ -73,7 +73,9 @@ def parse_hidden(text: str) -> Hidden:
 
 
 def hidden_in(effects: str | Effect | Hidden | Iterable[str | Effect | Hidden]) -> tuple[Hidden, ...]:
-    """Return what hides in a machine, one or several, those that are only named ("stribeck:knee=0.8") among them."""
+    """Return the effects hidden in a machine, one or several, those that are only named ("stribeck:knee=0.8") among
+    them.
+    """
     several = [effects] if isinstance(effects, (str, Effect, Hidden)) else effects
     found = (parse_hidden(item) if isinstance(item, str) else item for item in several)
     return tuple(Hidden(entry) if isinstance(entry, Effect) else entry for entry in found)

@@ -38,7 +38,7 @@ class Segment:
 
 @dataclass(frozen=True)
 class Leg:
-    """What the bench's leg is made of.
+    """The leg of the bench, by its parameters.
 
     `base` is (Φ1, Φ2, Φ3, Φ4, Coulomb hip, viscous hip, Coulomb knee, viscous knee), the order of the
     standard model's linear parameters. `torque_limit` (hip, knee) in N·m is where the motors saturate.
@@ -93,7 +93,7 @@ class Leg:
 
     @property
     def inertia(self) -> tuple[float, ...]:
-        """What each drive feels, kg·m² (J,), with the knee in the middle of its range."""
+        """The inertia that each drive feels, kg·m² (J,), with the knee in the middle of its range."""
         return tuple(np.diag(self.mass_matrix(KNEE)).tolist())
 
     @property

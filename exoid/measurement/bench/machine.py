@@ -37,7 +37,7 @@ STRONG = 100.0
 
 @dataclass(frozen=True)
 class Machine:
-    """What the bench's machine is made of: `base` are the parameters of the model without terms, in its order.
+    """The machine of the bench: `base` are the parameters of the model without terms, in its order.
 
     `torque_limit` (J,) N·m or N is where the drives saturate, `inertia` (J,) kg·m² or kg what each is for.
     """

@@ -54,9 +54,7 @@ class HiddenTruth(AsJson):
 
 @dataclass(frozen=True)
 class Truth(AsJson):
-    """What the bench knows: the leg, its `base` parameters (8,), the hidden effects, and the `seed` of the
-    runs.
-    """
+    """The truth of the bench: the leg, its `base` parameters (8,), the hidden effects, and the `seed` of the runs."""
 
     leg: str
     base: tuple[float, ...]
@@ -105,7 +103,7 @@ def _filler(content: bytes, count: int) -> str:
 
 
 def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> OpenedSeal:
-    """Return what was sealed at `path`.
+    """Return the contents of the seal at `path`.
 
     With `recordings`, each must be one of those sealed, byte for byte (files may have been renamed). Raises
     SealError when the file is missing, is no seal, was altered, or belongs to other recordings.

@@ -1,4 +1,4 @@
-"""What the instruments make of the truth: encoder steps, noise, outliers and bursts of chatter.
+"""Instruments of the bench, which spoil the truth: encoder steps, noise, outliers and bursts of chatter.
 
 Defaults are those of an instrumented exoskeleton leg: a 17-bit encoder (4.8e-5 rad), torque sensors with 0.5
 N·m of noise, 6 % of torque samples spoilt, and now and then a fraction of a second of chatter on a torque

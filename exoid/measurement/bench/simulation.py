@@ -173,7 +173,7 @@ def run_bench(
     name: str = "run",
     feed_forward: FeedForward | None = None,
 ) -> BenchRun:
-    """Return what `simulate` does together with the truth; `index` numbers the runs that share one `seed`.
+    """Return the result of `simulate` together with the truth; `index` numbers the runs that share one `seed`.
 
     `feed_forward` gives the torque (N, J) in N·m that the drives add to the controller's along the wanted motion.
     """
@@ -219,7 +219,7 @@ def _carried(model: Model, leg: Leg | Machine) -> tuple[float, ...]:
 
 
 def bench_machine(model: Model) -> Leg | Machine:
-    """Return what the bench moves for `model`: the standard leg, or a machine of its joints."""
+    """Return the machine that the bench moves for `model`: the standard leg, or a machine of its joints."""
     return standard_machine(model) if model.chain else standard_leg()
 
 
@@ -238,7 +238,7 @@ def _check_fits(model: Model, leg: Leg | Machine, bench: Bench, excitation: Four
 
 @dataclass(frozen=True, eq=False)
 class _Trace:
-    """What the integration leaves behind at the sample times; `motor` (N, J)."""
+    """The result of the integration at the sample times; `motor` (N, J)."""
 
     link: Motion
     read: Motion
@@ -353,7 +353,7 @@ def _measure(
     leg: Leg | Machine,
     model: Model,
 ) -> Recording:
-    """Return what the instruments and the logger make of the truth."""
+    """Return the recording that the instruments and the logger make of the truth."""
     sensors = bench.sensors
     reach = np.array([joint.reach for joint in model.joints])
     t, q = sensors.clock(motion.t, rng), sensors.angle(motion.q, rng, reach)

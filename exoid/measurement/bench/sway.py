@@ -1,4 +1,4 @@
-"""How the base of the virtual bench moves where a model has a measured one: a backpack that tilts and is carried along.
+"""The motion of the virtual bench's base where a model has a measured one: a backpack that tilts and is carried along.
 
 Angle and acceleration are sums of a few sines, slow beside the joints, and independent of each other, so that a
 recording shows what each of them does.
@@ -20,7 +20,7 @@ ACCELERATION_NOISE = 0.02
 
 
 def base_motion(t: Float, rng: np.random.Generator, spatial: bool = False) -> Float:
-    """Return how the base moves at times `t` (N,) s: angle rad, rad/s, rad/s², acceleration forwards and upwards
+    """Return the motion of the base at times `t` (N,) s: angle rad, rad/s, rad/s², acceleration forwards and upwards
     m/s², (N, 5); of a `spatial` machine three of each, (N, 12).
     """
     turns, all_of = (3, 12) if spatial else (1, 5)

@@ -121,7 +121,7 @@ def pushes(model: Model, wearer: Wearer | None, gait: Gait | None, t: Float, rng
 
 
 def _scaled(force: Float, turns: bool, person: Wearer, cuff: int) -> Float:
-    """Return what a person does at a `cuff` (N,), as a torque where it `turns`."""
+    """Return the push of a person at a `cuff` (N,), as a torque where the joint `turns`."""
     return force * (PERSON / person.amplitude[cuff]) if turns else force
 
 

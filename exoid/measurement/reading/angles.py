@@ -48,7 +48,7 @@ def unwrapped(q: Float, valid: Mask) -> tuple[Float, Mask]:
 
 
 def angle_spikes(q: Float, valid: Mask) -> Mask:
-    """Return where (N,) one or two samples stand far off the angle (N,) before and after them.
+    """Return a mask (N,) of one or two samples that stand far off the angle (N,) before and after them.
 
     Far is 12 robust deviations from the running median of five, 8 usual steps, and 0.5 % of the range of
     motion. A single sample needs only one and a half usual steps when its neighbours lie on one smooth curve
@@ -73,7 +73,8 @@ def angle_spikes(q: Float, valid: Mask) -> Mask:
 
 
 def _needles(values: Float, least: float) -> Mask:
-    """Return where (N,) one sample stands by more than `least` off the cubic through the two before and two after.
+    """Return a mask (N,) of single samples that stand by more than `least` off the cubic through the two before and two
+    after.
 
     Such a sample shows in the same way at its neighbours, two thirds as large and with the other sign; a step or a
     kink of the true motion does not.

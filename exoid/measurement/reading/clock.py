@@ -33,8 +33,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """How to put rows in order: `order` (N,) is a permutation, `bad` (N,) marks rows whose stamp cannot be
-    used."""
+    """The order of rows: `order` (N,) is a permutation, `bad` (N,) marks rows whose stamp cannot be used."""
 
     order: Index
     bad: Mask
@@ -43,8 +42,7 @@ class Order:
 
 
 def put_in_order(t: Float, usable: Mask) -> Order:
-    """Return how the rows with stamps `t` (N,) are brought into strictly increasing time; `usable` (N,) are
-    finite."""
+    """Return the order that puts rows with stamps `t` (N,) into strictly increasing time; `usable` (N,) are finite."""
     count = t.shape[0]
     order: Index = np.arange(count)
     kept = order[usable]

@@ -1,4 +1,4 @@
-"""Which column of a file is which: usual names (`names.py`), units in the header, and what the user maps by hand.
+"""The meaning of a file's columns: usual names (`names.py`), units in the header, and what the user maps by hand.
 
 Two readings that are both possible are a question to the user, never a guess.
 """
@@ -203,7 +203,7 @@ def legs(table: RawTable, joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
 def _offers(
     table: RawTable, chosen: Mapping[str, RawColumn], units: Mapping[str, str], joints: Sequence[Joint]
 ) -> list[Offer]:
-    """Return what each column can be, those that are mapped already apart."""
+    """Return the possible meanings of each column, except of those that are mapped already."""
     taken = {id(column) for column in chosen.values()}
     aliases, doubtful = _counted_from_one(table.names, len(joints))
     offers: list[Offer] = []

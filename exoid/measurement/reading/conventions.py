@@ -132,7 +132,7 @@ def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Conv
             replace(entry, name=name, what=what, explains=explains, unusual=UNUSUAL.get(name, entry.unusual))
             for entry, name, what, explains in words
         ]
-    return {one.name: one for one in sorted(found, key=lambda one: one.order)}
+    return {item.name: item for item in sorted(found, key=lambda item: item.order)}
 
 
 def _rows(joints: Sequence[Joint], changed: Mapping[tuple[int, int], float]) -> Rows:
@@ -265,11 +265,11 @@ angles."""
 
 def _zero(joint: int, at: float, joints: Sequence[Joint]) -> Convention:
     """Return the convention of a joint whose zero lies `at` degrees of the model's angle, m where it slides."""
-    one = joints[joint]
-    shift = tuple((math.radians(at) if one.turns else at) if k == joint else 0.0 for k in range(len(joints)))
-    channel, place = ("angle", f"{at:g}°") if one.turns else ("position", f"{at:g} m")
-    what = f"the {one.name} {channel} is zero where the model's is {place}"
-    return Convention(f"{one.name}-zero={at:.12g}", 3, what, "added after its sign was put right", zero=shift)
+    shifted = joints[joint]
+    shift = tuple((math.radians(at) if shifted.turns else at) if k == joint else 0.0 for k in range(len(joints)))
+    channel, place = ("angle", f"{at:g}°") if shifted.turns else ("position", f"{at:g} m")
+    what = f"the {shifted.name} {channel} is zero where the model's is {place}"
+    return Convention(f"{shifted.name}-zero={at:.12g}", 3, what, "added after its sign was put right", zero=shift)
 
 
 _GEAR = re.compile(r"([A-Za-z][A-Za-z0-9_]*)-motor(|-angle|-torque)=(\d{1,4}(?:\.\d{1,4})?)")

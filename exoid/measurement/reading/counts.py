@@ -35,7 +35,7 @@ class Counts(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """What is asked of counts: `what`, the values of --units to type, and what is to be done with them."""
+    """A question about counts: `what`, the values of --units to type, and what is to be done with them."""
 
     what: str
     units: str
@@ -61,7 +61,7 @@ def are_counts(name: str, values: Float, register: bool, joints: Sequence[Joint]
 
 
 def question(counts: Mapping[str, Counts], joints: Sequence[Joint]) -> Asked:
-    """Return what is asked of counts without a unit."""
+    """Return the question about counts without a unit."""
     shown, options, notes = [], [], []
     reach = {name: float(np.abs(item.values[np.isfinite(item.values)]).max()) for name, item in counts.items()}
     most = max((size for name, size in reach.items() if quantity_of(name) == "q"), default=0.0)

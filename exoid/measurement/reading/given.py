@@ -1,4 +1,4 @@
-"""What a verb is given as recordings, one or many: recordings, paths, folders, tables, arrays, in any mixture."""
+"""Recordings as a verb is given them, one or many: recordings, paths, folders, tables, arrays, in any mixture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far two clocks are apart, judged by physics: what one file logged must follow from the motion in the other.
+"""The lag between two clocks, judged by physics: what one file logged must follow from the motion in the other.
 
 Torques, and angles that both files have, are regressed on functions of the motion (accelerations, weight, friction and
 their products, of either sign, so that no convention needs to be known) at every lag; the lag that leaves least is the
@@ -40,7 +40,7 @@ class Lag:
 
 
 def lag_between(t: Float, q: Float, other_t: Float, other: Float, most: float = WIDEST) -> Lag:
-    """Return what the clock `other_t` (M,) of signals `other` (M, K) reads more than `t` (N,) of angles `q` (N, J).
+    """Return the lead of the clock `other_t` (M,) of signals `other` (M, K) over `t` (N,) of angles `q` (N, J).
 
     Times in s, strictly increasing; at most `most` s to either side are tried.
     """
@@ -150,7 +150,7 @@ def _left(sums: Sums | None) -> float:
 
 
 def _lowest(lags: Float, left: Float) -> float:
-    """Return where the parabola through the least of `left` and its neighbours is lowest."""
+    """Return the lag at which the parabola through the least of `left` and its neighbours is lowest."""
     k = index_of_least(left, 1.0)
     if not 0 < k < lags.size - 1 or not np.isfinite(left[k - 1 : k + 2]).all():
         return float(lags[k])
@@ -160,7 +160,7 @@ def _lowest(lags: Float, left: Float) -> float:
 
 
 def _valleys(left: Float) -> np.ndarray:
-    """Return where (N,) the curve is lower than on both sides."""
+    """Return a mask (N,) of the places at which the curve is lower than on both sides."""
     inner = np.where(np.isfinite(left), left, np.inf)
     out = np.zeros(left.size, dtype=bool)
     out[1:-1] = (inner[1:-1] <= inner[:-2]) & (inner[1:-1] <= inner[2:])

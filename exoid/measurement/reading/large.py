@@ -110,7 +110,7 @@ def _between(one: Recording, start: float, stop: float) -> Recording:
 
 
 def _motion(one: Recording) -> float:
-    """Return how much the angles move in the rows that can be used, in rad, summed over the joints."""
+    """Return the spread of the angles in the rows that can be used, in rad, summed over the joints."""
     whole = one.complete
     if not whole.any():
         return 0.0

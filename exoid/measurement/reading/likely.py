@@ -1,4 +1,4 @@
-"""Which columns those are, likely, that no name says: what the error that asks for them proposes, and never taken."""
+"""Likely meanings of columns whose names say none: what the error that asks for them proposes, and never taken."""
 
 from __future__ import annotations
 

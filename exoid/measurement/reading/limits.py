@@ -1,5 +1,5 @@
-"""What every format has in common, and samples that come live as well: how large a number may be, how much a recording
-may take, held to before anything is allocated, and how a file is refused that is damaged or needs a package.
+"""Limits of every format, and of samples that come live: how large a number may be, how much a recording may take, held
+to before anything is allocated, and how a file is refused that is damaged or needs a package.
 
 What a file claims costs nothing: a few kilobytes can stand for any number of cells. So every reader adds up what it is
 going to unpack, and asks first.
@@ -35,13 +35,13 @@ TEXT = 64
 
 
 def credible(values: Float, *, time: bool = False) -> np.ndarray:
-    """Return where numbers can be what was measured: finite, and no larger than any in its unit."""
+    """Return a mask of the numbers that can have been measured: finite, and no larger than any in its unit."""
     return np.asarray(np.abs(values) <= (LATEST if time else ABSURD))
 
 
 @dataclass(eq=False)
 class Budget:
-    """What is left of `MOST_BYTES` while the file `where` is read."""
+    """The rest of `MOST_BYTES` while the file `where` is read."""
 
     where: str
     used: int = 0

@@ -1,5 +1,5 @@
-"""What a user says of columns: one by its name, or a formula of several ("duty*volts", "12*(target-actual)"). It is
-kept as `exoid.toml` beside the recordings, and used for every file with the same columns.
+"""Statements of a user about columns: one by its name, or a formula of several ("duty*volts", "12*(target-actual)"). It
+is kept as `exoid.toml` beside the recordings, and used for every file with the same columns.
 
     [[recordings]]
     header = ["Zeit", "A1", "A2", "M1", "M2"]
@@ -40,7 +40,7 @@ FIRST_LINE = "# Which column is what. Made by exoid map.\n"
 
 @dataclass(frozen=True)
 class StatedMapping:
-    """What the user says of a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid).
+    """Statements of the user about a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid).
 
     And of this one recording, never kept: its `convention` ("a,b"), files to `join` to it with the lag in s of their
     clocks (None: physics says), its `passive` joints, which have no drive, `payloads`, known masses on it, which
@@ -59,12 +59,12 @@ class StatedMapping:
 
     @property
     def options(self) -> dict[str, Any]:
-        """What `read_recordings` takes of it, as far as it is said."""
+        """Arguments of `read_recordings`, as far as they are stated."""
         names = ("columns", "units", "leg", "convention", "join", "passive", "only", "rate")
         return {name: value for name in names if (value := getattr(self, name))}
 
     def over(self, other: StatedMapping) -> StatedMapping:
-        """Return what both say of the columns, what `self` says coming first."""
+        """Return the statements of both about the columns; those of `self` come first."""
         columns, units = {**other.columns, **self.columns}, {**other.units, **self.units}
         return replace(self, columns=columns, units=units, leg=self.leg or other.leg)
 
@@ -77,7 +77,8 @@ class StatedMapping:
 
 
 def remembered(folder: Path, names: Sequence[str]) -> StatedMapping | None:
-    """Return what `exoid.toml` in `folder` says of files with exactly the columns `names`, None where it says nothing.
+    """Return the statements of `exoid.toml` in `folder` about files with exactly the columns `names`, None where it
+    says nothing.
 
     RecordingError when there is such a file and it cannot be understood.
     """
@@ -195,7 +196,7 @@ def _with_places(text: str, names: Collection[str]) -> tuple[str, list[str]]:
 
 
 def _formula(text: str, columns: Mapping[str, RawColumn], where: str) -> RawColumn:
-    """Return what a formula of columns comes to; what is no number in one of them is none in it.
+    """Return the column that a formula of columns comes to; what is no number in one of them is none in it.
 
     Its unit is that of its columns, or text that no quantity has as a unit ("deg+rad"), so that it is asked for.
     RecordingError for what is no sum or product.
@@ -212,7 +213,7 @@ def _formula(text: str, columns: Mapping[str, RawColumn], where: str) -> RawColu
 
 
 def _value(node: Node, columns: Mapping[str, RawColumn]) -> tuple[Float, str]:
-    """Return what a formula comes to, and its unit, "" where it has none."""
+    """Return the value of a formula, and its unit, "" where it has none."""
     if isinstance(node, Number):
         return np.array(node.value), ""
     if isinstance(node, Name) and node.name in columns:
@@ -222,11 +223,11 @@ def _value(node: Node, columns: Mapping[str, RawColumn]) -> tuple[Float, str]:
         value, unit = _value(node.operand, columns)
         return -value, unit
     if isinstance(node, Binary) and node.operator in SIGNS:
-        (left, one), (right, other) = _value(node.left, columns), _value(node.right, columns)
+        (left, unit), (right, other) = _value(node.left, columns), _value(node.right, columns)
         value = np.asarray(SIGNS[node.operator](left, right), dtype=float)
         if node.operator == "/":
-            return value, f"{one or 1}/{other}" if other else one
-        units = [each for each in (one, other) if each]
+            return value, f"{unit or 1}/{other}" if other else unit
+        units = [each for each in (unit, other) if each]
         return value, "*".join(units) if node.operator == "*" else "+".join(dict.fromkeys(units))
     raise ExpressionError("nothing else is")
 

@@ -1,4 +1,4 @@
-"""What a MATLAB file of version 4 to 7 says about its sizes, compared with what it holds, before anything is read.
+"""Sizes that a MATLAB file of version 4 to 7 announces, compared with what it holds, before anything is read.
 
 SciPy makes room for what a header announces: bytes of an element, cells of an array. So every announced size is
 looked at first: it must lie within what encloses it and within the budget of a recording.

@@ -1,4 +1,4 @@
-"""What the name of a column says: quantity, joint, leg and unit.
+"""The meaning of a column's name: quantity, joint, leg and unit.
 
 A name is cut into words. If the words that remain after fillers ("measured", "joint", ...) are a known quantity and a
 known joint, the column is recognised; groups around it (`/joint_states/hip_joint/position`, `left_leg.hip.angle`) may
@@ -120,8 +120,9 @@ SIDE_WORDS = frozenset(_SIDE)
 
 
 class ColumnMeaning(NamedTuple):
-    """What a column can be: canonical `name`, the `unit` hidden in its own name, `rank` (the smaller is taken before
-    the larger: number of filler words), `side` of the body ("" if unsaid)."""
+    """The possible meaning of a column: canonical `name`, the `unit` hidden in its own name, `rank` (the smaller is
+    taken before the larger: number of filler words), `side` of the body ("" if unsaid).
+    """
 
     name: str
     unit: str = ""
@@ -141,7 +142,7 @@ class _Part(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | None:
-    """Return what the column `name` of a machine with `joints` can be, None where it cannot be said.
+    """Return the meaning of the column `name` of a machine with `joints`, None where it cannot be told.
 
     "tau1_mNm" is ColumnMeaning("tau1", "mNm"); "hip_flexion_r_moment" is ColumnMeaning("tau1", side="right"). A
     quantity and the name of a joint as the model writes it, "tau_roll", come before any reading of words.
@@ -171,7 +172,7 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
 
 
 def _of_outside(name: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
-    """Return what a column of a force from outside is, or of the foot's contact; a unit may stand at its end."""
+    """Return the meaning of a column of a force from outside, or of the foot's contact; a unit may stand at its end."""
     if name in outside_columns(joints):
         return ColumnMeaning(name, rank=-1)
     words = words_of(name)
@@ -187,7 +188,9 @@ def _of_outside(name: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
 
 
 def _of_base(name: str, known: Mapping[str, str]) -> ColumnMeaning | None:
-    """Return what a column of a measured base is: "base_angle", "backpack tilt deg", "base_ax"; `known` are words."""
+    """Return the meaning of a column of a measured base: "base_angle", "backpack tilt deg", "base_ax"; `known` are
+    words.
+    """
     parts = [part.lower() for part in re.split(r"[\W_]+", name) if part]
     for used in (0, 1, 2):  # a unit at the end may be cut in two
         meant = known.get("".join(parts[: len(parts) - used]))
@@ -232,7 +235,7 @@ def kind_of(name: str, joints: Sequence[Joint]) -> str:
 
 
 def _text(text: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
-    """Return what a name without groups says, with its unit, which may stand at the end."""
+    """Return the meaning of a name without groups, with its unit, which may stand at the end."""
     parts = _unit_last([part for part in re.split(r"[\W_]+", text) if part])
     for used in (2, 1):  # a unit at the end may be cut in two: "rad_s"
         tail = "/".join(parts[-used:])
@@ -303,7 +306,7 @@ def _reading(
 
 
 def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning | None:
-    """Return what a path says: quantity, joint and side each from the innermost part that has it."""
+    """Return the meaning of a path: quantity, joint and side each from the innermost part that has it."""
     unit = ""
     last = _unit_last([part for part in re.split(r"[\W_]+", path[-1]) if part])
     inner = _sorted_out(last, joints)
@@ -338,7 +341,7 @@ def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning 
 
 
 def joints_of(name: str, joints: tuple[Joint, ...]) -> frozenset[int]:
-    """Return which joints a name names, counted from 1, whatever else it says."""
+    """Return the joints that a name names, counted from 1, whatever else it says."""
     words = re.split(r"[\W_]+", _spaced(name).lower())
     return frozenset(_joint(word, joints) for word in words) - {0}
 
@@ -364,8 +367,8 @@ def _sorted_out(parts: Sequence[str], joints: tuple[Joint, ...]) -> _Part:
 
 
 def _spelt(words: list[str], joints: tuple[Joint, ...]) -> tuple[int, list[str]]:
-    """Return which joint, counted from 1 or 0, is spelt out among `words` by a name that no single word says, and the
-    words that are left: "left_hip" in "left hip torque", "drive", which otherwise means nothing.
+    """Return the joint, counted from 1 (0: none), whose name is spelt out among `words` and no single word says, and
+    the words that are left: "left_hip" in "left hip torque", "drive", which otherwise means nothing.
     """
     best, rest, length = 0, words, 0
     for number, joint in enumerate(joints, start=1):
@@ -384,7 +387,7 @@ def _spelt(words: list[str], joints: tuple[Joint, ...]) -> tuple[int, list[str]]
 
 
 def _joint(word: str, joints: tuple[Joint, ...]) -> int:
-    """Return which joint of `joints` the `word` names, counted from 1, or 0."""
+    """Return the number of the joint that `word` names, counted from 1, or 0."""
     if word.isascii() and word.isdigit() and len(word) < 3:
         return int(word) if 1 <= int(word) <= len(joints) else 0
     for number, joint in enumerate(joints, start=1):

@@ -1,4 +1,4 @@
-"""What a column says of what pushes a machine from outside: cuffs, the ground under the foot, and its contact.
+"""Columns about pushes on a machine from outside: cuffs, the ground under the foot, and its contact.
 
 Names as force plates ("FP1_Fz"), insoles, load cells and OpenSim ("ground_force_r_vy", upwards there) write them.
 """
@@ -68,14 +68,14 @@ def force_columns(joints: Sequence[Joint]) -> tuple[str, ...]:
 
 
 def outside_kind(name: str) -> str | None:
-    """Return what quantity an outside column is (a key of `units.QUANTITIES`), None for any other column."""
+    """Return the quantity of an outside column (a key of `units.QUANTITIES`), None for any other column."""
     if name == CONTACT:
         return "load"
     return "tau" if name.startswith(INTERACTION) else GROUND.get(name) or WRENCH.get(name)
 
 
 def outside_name(words: Sequence[str], joints: Sequence[Joint]) -> str:
-    """Return which canonical column the `words` of a name mean, fillers and sides left out; "" for none."""
+    """Return the canonical column that the `words` of a name mean, fillers and sides left out; "" for none."""
     own = [joint.name.lower() for joint in joints]
     plain = [word for word in words if not word.isdigit()]
     spatial = is_spatial(joints)

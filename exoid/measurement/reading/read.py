@@ -49,7 +49,7 @@ LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
 class HowRead(TypedDict, total=False):
-    """What may be said of recordings beside their columns and units, as `read_recording` explains it."""
+    """Options of reading recordings beside their columns and units, as `read_recording` explains it."""
 
     leg: str | None
     convention: str | Iterable[str]
@@ -146,7 +146,7 @@ def how_read(
     passive: str | Sequence[str] = (),
     rate: float = 0.0,
 ) -> StatedMapping:
-    """Return what was said of how to read; CallError for what cannot be said."""
+    """Return the statements about how to read; CallError for what cannot be said."""
     called = convention if isinstance(convention, str) else ",".join(convention)
     files = [join] if isinstance(join, (str, Path)) else join
     pairs = (other if isinstance(other, tuple) else (other, None) for other in files)
@@ -230,7 +230,7 @@ def _note(home: Path, kept: StatedMapping, path: Path) -> Finding:
 def _whole(
     source: Any, told: StatedMapping, name: str, machine: Machine
 ) -> tuple[RawTable, Source, str, StatedMapping]:
-    """Return what `_loaded` does, with the files that are joined to it."""
+    """Return the result of `_loaded`, with the files that are joined to it."""
     table, origin, name, told = _loaded(source, told, name, machine)
     if not told.join:
         return table, origin, name, told
@@ -243,9 +243,12 @@ def _whole(
         more, place, label, kept = _loaded(file, told, "")
         pieces.append((more, place.path or label, lag, kept))
         sums.append(place.sha256)
-    one = joined_pieces(pieces, machine or LEG)
+    joined = joined_pieces(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
-    return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="", rate=0.0)
+    return (
+        joined, Source(origin.path, sha256("".join(sums))), name,
+        replace(told, columns={}, units={}, leg="", rate=0.0),
+    )  # fmt: skip
 
 
 def _loaded(

@@ -76,7 +76,7 @@ def as_recording(draft: Draft, source: Source, name: str) -> Recording:
 
 
 def _base(columns: Mapping[str, Float], joints: tuple[Joint, ...]) -> Float | None:
-    """Return how the base moved (N, 3), in space (N, 6), with zero for an acceleration the file does not have; None
+    """Return the motion of the base (N, 3), in space (N, 6), with zero for an acceleration the file does not have; None
     without its angles.
     """
     names = base_columns(joints)
@@ -198,8 +198,8 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
 def _bad_cells(
     draft: Draft, names: list[str], assigned: Mapping[str, Assigned]
 ) -> tuple[str, str, NDArray[np.bool_]]:
-    """Return what is wrong with the columns `names`, which are bad in the same rows, what they are called, and where
-    (N,) that is.
+    """Return the fault of the columns `names`, which are bad in the same rows, their names in the file, and the bad
+    rows (N,).
     """
     values = np.column_stack([draft.columns[name] for name in names])
     endless = ~credible(values) & ~np.isnan(values)

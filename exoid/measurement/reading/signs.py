@@ -88,7 +88,7 @@ class _Register(NamedTuple):
         return self.step * 2.0 ** (self.bits - 1)
 
     def meant(self, values: Float) -> Float:
-        """Return what numbers mean."""
+        """Return the values that numbers mean."""
         near = self.half - 0.5 * self.step
         return np.where(values >= near, self.half - values if self.sign else values - 2.0 * self.half, values)
 
@@ -130,8 +130,8 @@ def signed(values: Float) -> Signed:
 
 
 def below_zero(values: Float) -> float:
-    """Return what whole numbers (N,) that stay close to the end of a wide register are more than they mean, if they are
-    negative ones; 0 where they are not there.
+    """Return the span of a register, by which whole numbers (N,) that stay close to the end of a wide one are too
+    large, if they are negative ones; 0 where they are not there.
     """
     good = values[credible(values)]
     if good.size < 10 or not is_whole(good) or good.min() <= 0.0:

@@ -1,4 +1,4 @@
-"""How a text table is laid out: encoding, delimiter, decimal mark, preamble, header, unit row."""
+"""The layout of a text table: encoding, delimiter, decimal mark, preamble, header, unit row."""
 
 from __future__ import annotations
 
@@ -38,8 +38,7 @@ BOMS = (
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the numbers start and how to cut them: `names` and `units` per column, `first_line` counted from
-    1."""
+    """The place of the numbers and how to cut them: `names` and `units` per column, `first_line` counted from 1."""
 
     delimiter: str
     decimal: str

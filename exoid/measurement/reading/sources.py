@@ -1,4 +1,4 @@
-"""Where recordings lie: files, folders, patterns, archives; what of them is read, and under which name.
+"""Places of recordings: files, folders, patterns, archives; what of them is read, and under which name.
 
 A folder means the recordings in it (not in folders below), a pattern what it matches, a ZIP archive its members, which
 are named `archive.zip/run1.csv`. A folder that ROS 2 wrote (with metadata.yaml) is one recording.
@@ -107,7 +107,7 @@ def _in_folder(folder: Path) -> dict[str, str]:
 
 
 def kind_of_file(file: Path) -> str:
-    """Return what a file of a folder is that is no recording, "" for one: not notes or settings beside them."""
+    """Return the kind of a file of a folder that is no recording, "" for one: not notes or settings beside them."""
     if file.suffix.lower() not in suffixes():
         return OTHER_TYPES
     if file.name.lower() in OTHERS:

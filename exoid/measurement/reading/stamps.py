@@ -51,7 +51,8 @@ def since_first(stamps: Any) -> Float:
     """Return seconds since the first stamp of an array (N,) of dates or durations, NaN where there is none."""
     if stamps.dtype.kind == "O":
         first = next(stamp for stamp in stamps if stamp is not None and stamp == stamp)
-        stamps = np.array([None if one is None or one != one else one - first for one in stamps], "timedelta64[ns]")
+        since = [None if stamp is None or stamp != stamp else stamp - first for stamp in stamps]
+        stamps = np.array(since, "timedelta64[ns]")
     there = stamps[~np.isnat(stamps)]
     return np.asarray((stamps - (there if there.size else stamps)[:1]) / np.timedelta64(1, "s"), dtype=float)
 

@@ -105,7 +105,7 @@ def _product(quantity: str, text: str, column_unit: str) -> float | None:
 
 
 def _base(quantity: str, unit: str, column: str) -> float | None:
-    """Return what one of `unit` is in SI, apart from the numbers of the product, for a `column` in that unit."""
+    """Return the factor from `unit` to SI, apart from the numbers of the product, for a `column` in that unit."""
     table = QUANTITIES[quantity]
     if unit in table:
         return table[unit]

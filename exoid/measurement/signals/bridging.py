@@ -18,7 +18,7 @@ BRIDGE_ENDS = 0.03
 
 @dataclass(frozen=True, eq=False)
 class Bridge:
-    """What puts straight lines across the runs of `rows` (H,), hidden samples.
+    """A bridge of straight lines across the runs of `rows` (H,), hidden samples.
 
     Its ends are means over a few samples beside a run (`BRIDGE_ENDS` s): `beside` (E,) are these samples, one end after
     the other, `begins` (M,) where each end begins in them, `ends` (2, H) which end stands before and which behind a
@@ -77,7 +77,7 @@ class Bridge:
 
     @cached_property
     def _ends(self) -> NDArray[np.int_]:
-        """Where each end begins in the samples beside, and where the last one ends, (M + 1,)."""
+        """The index at which each end begins in the samples beside, and that at which the last one ends, (M + 1,)."""
         return np.append(self.begins, self.beside.size)
 
     @cached_property
@@ -87,8 +87,8 @@ class Bridge:
 
 
 def bridging(hidden: NDArray[np.bool_], rate: float) -> Bridge:
-    """Return what bridges every run of `hidden` (N,) samples. A run at an end of the recording gets the level of its
-    other side.
+    """Return the bridge across every run of `hidden` (N,) samples. A run at an end of the recording gets the level of
+    its other side.
     """
     edges = np.diff(np.concatenate([[False], hidden, [False]]).astype(int))
     first, last = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)

@@ -69,7 +69,9 @@ class Filter:
 
     @cached_property
     def _stretch(self) -> tuple[Float, Float, Float]:
-        """Return what a stretch makes of itself, (S, S), of the states behind it, (S, 2P), and they of it, (2P, S)."""
+        """Return the matrices from a stretch to itself, (S, S), to the states behind it, (S, 2P), and back from them,
+        (2P, S).
+        """
         at = np.arange(STRETCH)
         lag = at[None, :] - at[:, None]
         inner = np.where(lag >= 0, self.response(STRETCH)[np.maximum(lag, 0)], 0.0)
@@ -182,7 +184,9 @@ def _compiled(
 def _given(
     one: Filter, samples: int, first: int, step: int, count: int, reach: int
 ) -> tuple[list[c_long | c_double], tuple[Float, Float]]:
-    """Return what C is told of the samples that are kept of so many, and the poles and factors of the filter."""
+    """Return the arguments of the C function about the samples that are kept of so many, and the poles and factors of
+    the filter.
+    """
     beyond = -(-count // KEPT) * KEPT * step  # as far as products reach
     before = max(0, min(samples - 1, reach - first))
     after = max(0, min(samples - 1, first + beyond + reach - samples))
@@ -272,8 +276,9 @@ def _by_products(one: Filter, rows: Float, first: int, step: int, count: int, re
 
 @lru_cache(maxsize=32)
 def _kept(one: Filter, step: int) -> tuple[Float, Float, int]:
-    """Return what a stretch makes of its kept samples and of the states behind and before it, (S, K + 4P), what states
-    of the stretches beside it make of its kept samples, (4P B, K), and how many of these count on either side, B.
+    """Return the matrix from a stretch to its kept samples and to the states behind and before it, (S, K + 4P), that
+    from states of the stretches beside it to its kept samples, (4P B, K), and how many of these count on either side,
+    B.
     """
     length, at = KEPT * step, step * np.arange(KEPT)
     inside = np.arange(length)
@@ -298,6 +303,6 @@ def _modes(one: Filter) -> tuple[Any, Any, float]:
 
 
 def _pair(one: Filter, z: Any) -> Any:
-    """Return what each pole and its conjugate add to H(z), with the residues doubled for pairs."""
+    """Return the part of each pole and its conjugate in H(z), with the residues doubled for pairs."""
     pairs = one.residues / (z - one.poles)
     return np.where(one.poles.imag > 0, pairs + np.conj(one.residues) / (z - np.conj(one.poles)), pairs)

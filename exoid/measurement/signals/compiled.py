@@ -1,4 +1,4 @@
-"""What `rows.c` does to rows of samples where there is a compiler: filtering both ways, bridging, banded equations.
+"""Functions of `rows.c` on rows of samples where there is a compiler: filtering both ways, bridging, banded equations.
 
 Matrix products do the same without one; `discover` then takes 1.3 to 1.45 times the processor time on four runs of a
 leg (4.3 instead of 3.3 s, 6.7 instead of 5.0, 11.3 instead of 8.0).

@@ -89,7 +89,7 @@ class UniformSignals:
         return self._slower[factor]
 
     def slower_gap(self, factor: int) -> NDArray[np.bool_]:
-        """Return which of these torques (N / factor, J) are missing: much of what they are made of is."""
+        """Return a mask of these torques (N / factor, J) that are missing: much of what they are made of is."""
         if factor == 1 or not self.torque_gap.any():
             return self.torque_gap[::factor]
         return np.asarray(averaged(self.torque_gap.astype(float), factor) > MISSING)
@@ -126,8 +126,8 @@ class UniformSignals:
     def slower_spikes(
         self, factor: int, known: Callable[[], Float], missing: NDArray[np.bool_]
     ) -> NDArray[np.bool_]:
-        """Return which of the slower torques (N / factor, J) are spikes beside what `known` gives, the torque of a
-        model; those `missing` do not count. Asked once: all cut-offs see the same samples.
+        """Return a mask of the slower torques (N / factor, J) that are spikes beside what `known` gives, the torque of
+        a model; those `missing` do not count. Asked once: all cut-offs see the same samples.
         """
         if factor not in self._beside:
             self._beside[factor] = spikes_beside(
@@ -224,8 +224,8 @@ def wave_products(
     numbers, reach = shapes[:, waves.place], _reach(cutoff, rate)
     if kept.size < 2 or reach >= waves.phase.size - 1 or len(numbers) < FEW or not are_even(numbers):
         return None
-    one, across, step = _filter(cutoff, rate), [bridge.in_c for bridge in bridges], int(kept[1] - kept[0])
-    return filtered_wave_products(one, waves, numbers, across, int(kept[0]), step, reach, weights, signals)
+    lowpass, across, step = _filter(cutoff, rate), [bridge.in_c for bridge in bridges], int(kept[1] - kept[0])
+    return filtered_wave_products(lowpass, waves, numbers, across, int(kept[0]), step, reach, weights, signals)
 
 
 def _reach(cutoff: float, rate: float) -> int:

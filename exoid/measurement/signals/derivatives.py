@@ -131,8 +131,8 @@ def _basis(t: Float, period: float, harmonics: int, order: int = 0) -> list[Floa
     rate = 2.0 * np.pi / period * np.arange(1, harmonics + 1)
     phase = np.outer(t, rate)
     sine, cosine = np.sin(phase), np.cos(phase)
-    one, none = np.ones((len(t), 1)), np.zeros((len(t), 1))
-    out = [np.hstack([one, sine, cosine])]
+    ones, none = np.ones((len(t), 1)), np.zeros((len(t), 1))
+    out = [np.hstack([ones, sine, cosine])]
     if order >= 1:
         out.append(np.hstack([none, rate * cosine, -rate * sine]))
     if order >= 2:

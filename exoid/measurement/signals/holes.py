@@ -15,8 +15,8 @@ BESIDE = 0.05
 
 
 def interpolated(grid: Float, t: Float, x: Float, step: float, wide: float) -> tuple[Float, NDArray[np.bool_]]:
-    """Return what was logged as `x` (M,) at times `t`, usually `step` s apart, on the `grid` (N,), and where there is a
-    hole of more than `wide` s. Across missing samples goes the cubic that continues level and slope on either side.
+    """Return the signal logged as `x` (M,) at times `t`, usually `step` s apart, on the `grid` (N,), and a mask of
+    holes of more than `wide` s. Across missing samples goes the cubic that continues level and slope on either side.
     """
     if t.size < 2:
         return np.zeros(grid.size), np.ones(grid.size, dtype=bool)

@@ -59,8 +59,9 @@ LEAST = 1e-7
 
 
 def spikes(x: Float, rate: float, unknown: Mask | None = None, *, averaged: bool = False) -> Mask:
-    """Return which samples of `x` (N, J), evenly spaced at `rate` Hz, are spikes; two in a row are found, or as many as
-    last 3 ms. Those `unknown` (N, J) are none, nor do they count. `averaged` are means of samples judged before.
+    """Return a mask of the spikes among samples `x` (N, J), evenly spaced at `rate` Hz; two in a row are found, or as
+    many as last 3 ms. Those `unknown` (N, J) are none, nor do they count. `averaged` are means of samples judged
+    before.
     """
     longest = int(np.clip(round(LASTS * rate), 2, MOST))
     out = np.zeros(x.shape, dtype=bool)
@@ -84,8 +85,8 @@ def without_spikes(x: Float, rate: float) -> Float:
 
 
 def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...], averaged: bool) -> Mask:
-    """Return which samples of `x` (N,) are spikes, judged anew without those found until nothing changes; beside one so
-    many have no part in its prediction.
+    """Return a mask of the spikes among samples `x` (N,), judged anew without those found until nothing changes; beside
+    one so many have no part in its prediction.
     """
     bad = np.zeros(x.size, dtype=bool)
     least = LEAST * float(np.ptp(x[~lost]))
@@ -123,9 +124,9 @@ def _with_chatter(x: Float, bad: Mask, lost: Mask, least: float) -> Mask:
 
 
 class _Prediction:
-    """How the samples of a torque follow from their neighbours, `guard` of which on either side have no part in it: by
-    the weights that predict the `clean` ones (N,) best, fitted robustly to those not hidden. What is `bound` times the
-    usual off is far off.
+    """A prediction of the samples of a torque from their neighbours, `guard` of which on either side have no part in
+    it: by the weights that predict the `clean` ones (N,) best, fitted robustly to those not hidden. What is `bound`
+    times the usual off is far off.
     """
 
     def __init__(self, guard: int, clean: Float, hidden: Mask, least: float, bound: float) -> None:
@@ -150,7 +151,9 @@ class _Prediction:
         return np.asarray(x - np.convolve(self._padded(clean), self.taken[::-1], mode="valid"))
 
     def far(self, x: Float, clean: Float, hidden: Mask, least: float) -> Mask:
-        """Return which samples of `x` (N,) are far off what the `clean` ones around them predict, from either side."""
+        """Return a mask of the samples of `x` (N,) that are far off what the `clean` ones around them predict, from
+        either side.
+        """
         padded, missed = self._padded(clean), self.missed(x, clean)
         size = np.abs(missed)
         at = np.flatnonzero(size > self.bound * _usual(size, hidden, least))

@@ -1,4 +1,4 @@
-"""How far a periodic motion goes between the points at which it was looked at, proven.
+"""Bounds of a periodic motion between the points at which it was looked at, proven.
 
 Let p be a trigonometric polynomial of degree K with period T, and ‖p‖ the largest |p| at any time. On M > 2K evenly
 spaced times of one period,
@@ -48,7 +48,7 @@ def margin(harmonics: int, grid: int) -> float:
 
 @dataclass(frozen=True)
 class Use(AsJson):
-    """What a motion makes of one limit: `low` to `high` can be reached at no time beyond, `limit` is (low, high)."""
+    """The use of one limit by a motion: `low` to `high` can be reached at no time beyond, `limit` is (low, high)."""
 
     joint: str
     quantity: str
@@ -77,7 +77,7 @@ class Use(AsJson):
 
 
 def uses(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1, grid: int = FINE) -> tuple[Use, ...]:
-    """Return what `trajectory` makes of each limit, with bounds proven for all times."""
+    """Return the use of each limit by `trajectory`, with bounds proven for all times."""
     stretch = 1.0 / margin(trajectory.sine.shape[1], grid)
     motion = trajectory.at(np.arange(grid) * (trajectory.period / grid))
     found = []

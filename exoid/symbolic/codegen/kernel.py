@@ -110,7 +110,7 @@ class Compiled:
         return out
 
     def columns_at(self, motion: Motion, linear: Float, shapes: Float, first: int) -> Float:
-        """Return what `pointwise` does at each of `shapes` (V, S), time last and from parameter `first` on: (V, J,
+        """Return the columns of `pointwise` at each of `shapes` (V, S), time last and from parameter `first` on: (V, J,
         P - first, N).
         """
         state, memory = self._state(motion), np.zeros((len(motion), len(memory_operations(self.model))))

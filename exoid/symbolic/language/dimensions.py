@@ -1,4 +1,4 @@
-"""Whether a torque text comes out in N·m: its units followed through the tree, with a caret where they do not fit.
+"""Check that a torque text comes out in N·m: its units followed through the tree, with a caret where they do not fit.
 
 Plain numbers count as 1. A number that stands beside a quantity in a sum, or scales the argument of a function, is read
 as having the unit that fits: tanh(dtheta / 0.05), max(dtheta, 0.1).

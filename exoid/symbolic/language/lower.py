@@ -34,7 +34,9 @@ NUMPY = _functions(np, sgn="sign", max="maximum", min="minimum")
 
 @dataclass(frozen=True, eq=False)
 class _Given:
-    """What a text is evaluated with: arguments as of `to_numpy`; what is `kept` stands at the step that makes it."""
+    """The values that a text is evaluated with: arguments as of `to_numpy`; what is `kept` stands at the step that
+    makes it.
+    """
 
     env: Mapping[str, Any]
     signs: Mapping[str, Any]

@@ -71,7 +71,7 @@ def _parsed(joint: int, text: str, own: bool, numbers: tuple[str, ...], names: t
 
 @lru_cache(maxsize=1024)
 def part_of(torque: Torque, key: str, keys: tuple[str, ...]) -> Torque:
-    """Return what coefficient `key`, one of `keys`, multiplies in a torque: itself at one, the others at zero, and what
+    """Return the factor of coefficient `key`, one of `keys`, in a torque: itself at one, the others at zero, and what
     is zero then left out.
     """
     values = {name: Number(float(name == key)) for name in keys}

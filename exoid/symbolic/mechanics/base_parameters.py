@@ -35,7 +35,7 @@ ALWAYS = frozenset(("J", "m", "M", "XX", "YY", "ZZ"))
 
 @dataclass(frozen=True)
 class BaseParameter:
-    """What a motion shows of quantity `kind` of link `link`: itself and `parts`, {(link, kind): factor}."""
+    """The part of quantity `kind` of link `link` that a motion shows: itself and `parts`, {(link, kind): factor}."""
 
     link: int
     kind: str

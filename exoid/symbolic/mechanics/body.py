@@ -34,8 +34,8 @@ REMEDY = "write mass=70,height=1.78 (kg, m)"
 
 
 class Linked(Protocol):
-    """What of a model a limb is put on: its joints, and base parameters (P, J, 3) of inertia, first moment and mass of
-    every link.
+    """The part of a model that a limb is put on: its joints, and base parameters (P, J, 3) of inertia, first moment and
+    mass of every link.
     """
 
     @property

@@ -1,5 +1,5 @@
-"""What measured forces ask of the drives, in numbers, by Newton and Euler: what the generated code is confirmed by, and
-what pushes the machines of the bench.
+"""Torques that measured forces ask of the drives, in numbers, by Newton and Euler: what the generated code is confirmed
+by, and what pushes the machines of the bench.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 def pushed_torques(
     joints: tuple[Joint, ...], q: Float, force: Force, at: float, signals: Float, base: BaseMotion = STILL
 ) -> Float:
-    """Return what a measured force, `signals` (N, C) `at` m along its link, asks of the drives (N, J) at `q` (N, J), by
-    Newton and Euler. One in space is where it says itself.
+    """Return the torques (N, J) that a measured force, `signals` (N, C) `at` m along its link, asks of the drives at
+    `q` (N, J), by Newton and Euler. One in space is where it says itself.
     """
     index, out = force.index(joints), np.zeros(q.shape)
     if force.frame == TORQUE:

@@ -102,8 +102,8 @@ def wrench_torques(
     joints: Sequence[Joint], q: Sequence[Any], link: int, place: Vector, turned: Origin | None, wrench: Sequence[Any],
     lib: Any,
 ) -> list[Any]:  # fmt: skip
-    """Return what a force (3,), or a force and a moment (6,), on a `link` at `place` (3,) m in its frame asks of the
-    drives (J,), joint by joint down to the base.
+    """Return the torques (J,) that a force (3,), or a force and a moment (6,), on a `link` at `place` (3,) m in its
+    frame asks of the drives, joint by joint down to the base.
 
     Its parts are along the axes of a sensor that is `turned` in the link's frame, None: along those of the base.
     """

@@ -1,4 +1,4 @@
-"""What a force at a point of the machine asks of its drives: -Jᵀ F, by virtual work.
+"""Torques that a force at a point of the machine asks of its drives: -Jᵀ F, by virtual work.
 
 The point is where the mechanism says it is, so that whatever changes the mechanism (an encoder's zero, a base that is
 measured) moves it too; `newton_euler.push_torques` confirms it, and in space `spatial.wrench_torques`.

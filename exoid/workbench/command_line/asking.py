@@ -1,4 +1,4 @@
-"""What `diagnose`, `discover` and `demo` share: ask the question, show the answer, write it down."""
+"""Common steps of `diagnose`, `discover` and `demo`: ask the question, show the answer, write it down."""
 
 from __future__ import annotations
 
@@ -58,6 +58,6 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
 
 
 def material_of(title: str, given: Inputs, found: Any, comparison: Any, truth: str = "") -> Material:
-    """Return what the report of a Diagnosis draws on."""
+    """Return the material of the report of a Diagnosis."""
     made: Material = found.material(comparison)
     return replace(made, title=title, recordings=given.recordings, verify=given.verify, truth=truth)

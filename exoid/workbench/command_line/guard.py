@@ -34,7 +34,7 @@ def protect_inputs(args: argparse.Namespace, delivery: Delivery) -> None:
 
 
 def _archives(text: str) -> list[str]:
-    """Return what `archive.zip/run1.csv` may lie in."""
+    """Return the archives that `archive.zip/run1.csv` may lie in."""
     return [str(parent) for parent in Path(text).parents if parent.suffix.lower() == ".zip"]
 
 

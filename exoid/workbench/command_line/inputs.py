@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """What a question about recordings starts from.
+    """Inputs of a question about recordings.
 
     `cutoff` in Hz is that of the common filter, None: chosen; `derivative` how accelerations come from angles.
     """
@@ -43,7 +43,7 @@ class Inputs:
 
     @property
     def filter(self) -> dict[str, Any]:
-        """What `prepare`, and whatever prepares, takes about filtering."""
+        """Arguments of `prepare`, and of whatever prepares, about filtering."""
         return {"cutoff": self.cutoff, "derivative": self.derivative}
 
 

@@ -52,7 +52,7 @@ def settings_given(args: argparse.Namespace, record: type[VerbSettings], *but: s
 
 
 def _reads(name: str, about: Setting, number: Callable[[str], float]) -> Callable[[str], float]:
-    """Return what reads the value of a setting."""
+    """Return a function that reads the value of a setting."""
 
     def read(text: str) -> float:
         value = number(text)
@@ -216,7 +216,7 @@ def positive_number(text: str) -> float:
 def between(
     low: float, high: float, unit: str = "", number: Callable[[str], Any] = finite_number
 ) -> Callable[[str], Any]:
-    """Return what reads a number from `low` to `high`."""
+    """Return a function that reads a number from `low` to `high`."""
 
     def read(text: str) -> Any:
         value = number(text)

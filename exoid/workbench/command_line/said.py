@@ -1,4 +1,4 @@
-"""What is said on stderr of recordings that were read: each kind of finding once, with how many files have it alike."""
+"""Sentences on stderr about recordings that were read: each kind of finding once, with how many files have it alike."""
 
 from __future__ import annotations
 

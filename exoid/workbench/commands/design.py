@@ -185,7 +185,7 @@ def _show(screen: Screen, found: Any) -> None:
 
 
 def _material(title: str, answer: str, found: Any, alt: str) -> Any:
-    """Return what the report draws on."""
+    """Return the material of the report."""
     from exoid.diagnosis.report.material import Material, Picture
 
     pictures = () if found.trajectory is None else (Picture("The motion", alt, found.plot(), "motion"),)

@@ -75,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def joints(effect: Effect) -> str:
-    """Return where the effect may sit: "hip or knee", "knee", "both at once"."""
+    """Return the joints at which the effect may sit: "hip or knee", "knee", "both at once"."""
     if effect.on_both:
         return "both at once"
     return " or ".join(joint for joint in effect.joints if joint not in effect.absorbed_on) or "none"
@@ -91,7 +91,7 @@ def never(effect: Effect, model: Model, quiet: bool) -> Mapping[str, tuple[str, 
 
 
 def written(same: Mapping[str, tuple[str, ...]]) -> str:
-    """Return what no motion can distinguish, as text."""
+    """Return the effects that no motion can distinguish, as text."""
     lines = ["", "what no motion at all can distinguish (computed)"]
     lines += [f"  {name} from {', '.join(others)}" for name, others in same.items() if others]
     alone = [name for name, others in same.items() if not others]

@@ -128,7 +128,7 @@ def _print(args: argparse.Namespace) -> int:
 
 
 def _state(path: Path, content: bytes) -> str:
-    """Return what happens to one file: "new", "changed" or "unchanged"."""
+    """Return the state of one file: "new", "changed" or "unchanged"."""
     if not path.exists():
         return "new"
     if not path.is_file():

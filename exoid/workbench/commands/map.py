@@ -80,8 +80,8 @@ def _checked(table: Any, told: Any, where: str, joints: Sequence[Joint]) -> dict
     """Return {canonical name: column} as `told`; RecordingError, which names the option, where something is open."""
     from exoid.measurement.reading.columns import assign_usable, legs
 
-    one = replace(told, leg=next(iter(legs(table, joints)), "")) if told.leg == "both" else told
-    return assign_usable(table, one, where=where, joints=joints)[0]
+    chosen = replace(told, leg=next(iter(legs(table, joints)), "")) if told.leg == "both" else told
+    return assign_usable(table, chosen, where=where, joints=joints)[0]
 
 
 def _show(screen: Screen, table: Any) -> None:

@@ -152,7 +152,7 @@ def _conventions(ready: Ready) -> str:
 
 
 def _pushed(model: Model) -> str:
-    """Return what the measured forces are, as further lines of the comment."""
+    """Return the names of the measured forces, as further lines of the comment."""
     if not model.forces:
         return ""
     each = [f"{name} ({in_comment(force.name)})" for force in model.forces for name in force.columns]
@@ -243,7 +243,7 @@ def _sign(options: Options) -> str:
 
 
 def _inputs(function: Any) -> list[tuple[str, ...]]:
-    """Return what the entries of a function's arguments are called in C."""
+    """Return the names in C of the entries of a function's arguments."""
     found: list[tuple[str, ...]] = []
     for k, name in enumerate(function.name_in()):
         entries = range(function.size1_in(k))

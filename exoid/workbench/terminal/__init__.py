@@ -1,1 +1,1 @@
-"""What a person reads in the terminal: tables, progress, encoding."""
+"""Output that a person reads in the terminal: tables, progress, encoding."""

@@ -1,4 +1,4 @@
-"""What a person reads in the terminal: sentences and tables that survive a plain pipe."""
+"""Text that a person reads in the terminal: sentences and tables that survive a plain pipe."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How results look in the terminal."""
+"""Results as they look in the terminal."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def show_by_recording(screen: Screen, found: Any) -> None:
 
 
 def of_the_set(audit: Iterable[Any]) -> list[Any]:
-    """Return what an audit says of recordings together, which reading one by one could not tell."""
+    """Return the findings of an audit about recordings together, which reading one by one could not tell."""
     told = [finding for finding in audit if finding.check in ("overlap", "thigh_length", "channels", "forces", SPIKES)]
     return [finding for finding in told if finding.severity == "warning" or "cannot tell" in finding.what]
 
@@ -188,7 +188,7 @@ def show_limit(screen: Screen, limit: Sequence[float] | None, rms: Iterable[floa
 
 
 def truth_sentence(truth: Any) -> str:
-    """Return what a seal says was hidden, as a sentence."""
+    """Return the effects that a seal says were hidden, as a sentence."""
     if not truth.effects:
         return "nothing was hidden."
     parts = []

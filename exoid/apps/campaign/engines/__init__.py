@@ -1,1 +1,3 @@
-"""Where the jobs of a campaign run: this machine, a Dask cluster, or Slurm; all as a `concurrent.futures.Executor`."""
+"""Places where the jobs of a campaign run: this machine, a Dask cluster, or Slurm; all as a
+`concurrent.futures.Executor`.
+"""

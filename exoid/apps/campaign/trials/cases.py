@@ -156,7 +156,8 @@ def subject(case: Case, rng: np.random.Generator) -> tuple[Model, Leg | Machine]
 
 
 def _chain_variants(kind: str, rng: np.random.Generator) -> list[str]:
-    """Return what to hide in machines of a kind of `chains.py`: effects that show on usual motions of one of them."""
+    """Return the names to hide in machines of a kind of `chains.py`: effects that show on usual motions of one of them.
+    """
     usual = np.random.default_rng(0)
     model, machine = subject(Case(kind, (), 0), usual)
     names: list[str] = []
@@ -199,13 +200,13 @@ def cases(kinds: Sequence[str], seeds: int, first: int = 0) -> list[Case]:
 def _pair(rng: np.random.Generator, names: list[str]) -> tuple[str, str]:
     """Return two terms of different effects."""
     while True:
-        one, two = (names[int(k)] for k in rng.choice(len(names), 2, replace=False))
-        if one.partition(":")[0] != two.partition(":")[0]:
-            return one, two
+        first, second = (names[int(k)] for k in rng.choice(len(names), 2, replace=False))
+        if first.partition(":")[0] != second.partition(":")[0]:
+            return first, second
 
 
 def hide(case: Case, model: Model, leg: Leg | Machine, rng: np.random.Generator) -> tuple[Hidden, ...]:
-    """Return what is hidden in the machine of `case`, with its numbers drawn."""
+    """Return the effects hidden in the machine of `case`, with their numbers drawn."""
     out = []
     for name in case.variants if case.kind != CONVENTION else ():
         hidden = _drawn(name, model, leg, rng)
@@ -299,7 +300,7 @@ def _possible(hidden: Hidden, model: Model, leg: Leg | Machine) -> Hidden:
 def simulated(
     case: Case, model: Model, leg: Leg | Machine, rng: np.random.Generator
 ) -> tuple[tuple[Hidden, ...], tuple[BenchRun, ...]]:
-    """Return what is hidden and its four runs; smaller where the machine could not be moved otherwise."""
+    """Return the hidden effects and their four runs; smaller where the machine could not be moved otherwise."""
     hidden = hide(case, model, leg, rng)
     worse = MACHINES.get(case.kind, lambda runs, _: runs)
     if case.kind == CONVENTION:
@@ -323,8 +324,8 @@ def simulated(
 def _beside_what_pushes(
     case: Case, model: Model, leg: Leg | Machine, hidden: tuple[Hidden, ...], runs: tuple[BenchRun, ...], bench: Bench
 ) -> tuple[tuple[Hidden, ...], tuple[BenchRun, ...]]:
-    """Return what is hidden in a leg that a person or the ground pushes, and its four runs. Sizes are drawn on another
-    motion: what does not show on this one, beside the noise of what measures the pushes, is made larger.
+    """Return the effects hidden in a leg that a person or the ground pushes, and its four runs. Sizes are drawn on
+    another motion: what does not show on this one, beside the noise of what measures the pushes, is made larger.
     """
     for _ in range(GROWN):
         told = as_measured(runs) if case.kind in UNMEASURED else as_read(runs)

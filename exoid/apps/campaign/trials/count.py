@@ -1,4 +1,4 @@
-"""How often blind trials went right, by kind, and which went wrong.
+"""Counts of blind trials that went right, by kind, and names of those that went wrong.
 
 A case is *right* when exactly as much is accepted as was hidden, and each hidden effect is an accepted one or among its
 look-alikes; `outside` is right when nothing is accepted and what is left is reported at the right joint in the right

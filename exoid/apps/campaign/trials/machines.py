@@ -1,4 +1,4 @@
-"""What real machines have and the bench does not: recordings of blind trials made worse, kind by kind.
+"""Properties that real machines have and the bench does not: recordings of blind trials made worse, kind by kind.
 
     rough      an unmodelled smooth torque of 5 to 20 times the noise in its band, another in every run
     current    torques from motor current, with a constant that is wrong by up to a fifth

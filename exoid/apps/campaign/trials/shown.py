@@ -1,4 +1,6 @@
-"""What the true structure of a case would leave of its recordings, and whether what is hidden shows in them at all."""
+"""The error that the true structure of a case would leave, and a check that what is hidden shows in the recordings at
+all.
+"""
 
 from __future__ import annotations
 

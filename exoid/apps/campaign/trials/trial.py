@@ -22,7 +22,7 @@ from exoid.symbolic.model import Model
 
 
 def run_case(name: str) -> dict[str, Any]:
-    """Return what became of the case called `name`, as plain data."""
+    """Return the outcome of the case called `name`, as plain data."""
     case = Case.named(name)
     rng = np.random.default_rng(case.number)
     model, leg = subject(case, rng)

@@ -67,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _given(args: argparse.Namespace) -> Inputs | None:
-    """Return what was recorded; None for the paper's leg."""
+    """Return the recordings with their model; None for the paper's leg."""
     if args.recordings and args.problem == "excitation":
         raise UsageError("motions compete on a model alone", remedy="leave out the recordings, or --problem")
     if args.recordings:

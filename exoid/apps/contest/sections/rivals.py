@@ -1,4 +1,4 @@
-"""Who came how near the certified optimum, how fast, and which differences are more than chance."""
+"""Distances of the rivals from the certified optimum, their speed, and the differences that are more than chance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which column is which."""
+"""The panel in which columns are named."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which effects are suspected, and what is known of each."""
+"""The suspected effects, and what is known of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one takes away: report, model, code, commands, the session."""
+"""Results to take away: report, model, code, commands, the session."""
 
 from __future__ import annotations
 

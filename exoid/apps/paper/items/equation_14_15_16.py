@@ -27,12 +27,12 @@ def answer(experiments: Experiments) -> ItemAnswer:
     cases = [(a <= d1) & (b <= d2), (a > d1) & (b <= d2), (a <= d1) & (b > d2), (a > d1) & (b > d2)]
     printed = np.select(cases, [a**2 + b**2, far[0] + b**2, a**2 + far[1], far[0] + far[1]])
     apart = abs(huber(r, PAPER_DELTA) / float(printed.sum()) - 1.0)
-    one = experiments.fits[USUAL][0]
-    left = one.data.residual(one.sse)
+    fit = experiments.fits[USUAL][0]
+    left = fit.data.residual(fit.sse)
     squared = abs(huber(left, np.full(2, np.inf)) / float(np.sum(left**2)) - 1.0)
     return ItemAnswer(
         f"all four cases are the sum of the joints' terms (to {apart:.0e}), and δ = ∞ gives SSE (to {squared:.0e}). "
-        f"Both are convex in Φ: the optimum of a fit is proven (relative duality gap {one.proof.gap:.0e}).",
+        f"Both are convex in Φ: the optimum of a fit is proven (relative duality gap {fit.proof.gap:.0e}).",
         HOLDS,
         text=TEXT,
     )

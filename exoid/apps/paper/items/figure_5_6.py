@@ -21,15 +21,15 @@ def answer(experiments: Experiments) -> ItemAnswer:
     """Draw what both fits make of the recording they come from, with sensors of two kinds."""
     pictures, explained = [], {}
     for word, name in (("usual", USUAL), ("rough", ONE_SIDED)):
-        one, run = experiments.fits[name][0], experiments.runs[0]
-        data = one.data
+        fit, run = experiments.fits[name][0], experiments.runs[0]
+        data = fit.data
         t = np.arange(data.tau.shape[1])[SHOWN] / RATE
-        predicted = {"SSE": one.sse, "Huber": one.huber}
-        torques = {fit: (data.columns @ linear)[:, SHOWN] for fit, linear in predicted.items()}
+        predicted = {"SSE": fit.sse, "Huber": fit.huber}
+        torques = {kind: (data.columns @ linear)[:, SHOWN] for kind, linear in predicted.items()}
         figure = torque_figure(t, data.tau[:, SHOWN], run.torque.T[:, SHOWN], torques)
         alt = f"Torque of hip and knee in ten seconds of the fitted motion: measured, true, SSE, Huber. Errors: {name}."
         pictures.append(PaperPicture(f"fit_{word}", alt, figure))
-        explained[name] = 1.0 - data.rms(one.sse) ** 2 / np.var(data.tau, axis=1)
+        explained[name] = 1.0 - data.rms(fit.sse) ** 2 / np.var(data.tau, axis=1)
     said = {name: " and ".join(f"{100 * share:.0f} %" for share in item) for name, item in explained.items()}
     holds = bool(np.min(explained[USUAL]) >= ENOUGH)
     return ItemAnswer(

@@ -22,11 +22,11 @@ def answer(experiments: Experiments) -> ItemAnswer:
     fits = experiments.fits
     ratios = {name: {how: [item.ratio(how) for item in several] for how in AGAINST} for name, several in fits.items()}
     middle = {name: float(np.median(ratio["true"])) for name, ratio in ratios.items()}
-    one, unseen = fits[ONE_SIDED][0], experiments.unseen[0]
-    t = np.arange(one.verify.tau.shape[1])[SHOWN] / RATE
-    predicted = {"SSE": one.sse, "Huber": one.huber}
-    torques = {name: (one.verify.columns @ linear)[:, SHOWN] for name, linear in predicted.items()}
-    fit = torque_figure(t, one.verify.tau[:, SHOWN], unseen.torque.T[:, SHOWN], torques)
+    fitted, unseen = fits[ONE_SIDED][0], experiments.unseen[0]
+    t = np.arange(fitted.verify.tau.shape[1])[SHOWN] / RATE
+    predicted = {"SSE": fitted.sse, "Huber": fitted.huber}
+    torques = {name: (fitted.verify.columns @ linear)[:, SHOWN] for name, linear in predicted.items()}
+    fit = torque_figure(t, fitted.verify.tau[:, SHOWN], unseen.torque.T[:, SHOWN], torques)
     return ItemAnswer(
         f"against the true torque the ratio is {middle[USUAL]:.2f} with the bench's instruments and "
         f"{middle[ONE_SIDED]:.2f} (squared: {middle[ONE_SIDED] ** 2:.2f}) where large errors all point one way.",
@@ -53,7 +53,7 @@ def _table(
         several, cells = fits[name], [name]
         for how in AGAINST:
             for which in ("sse", "huber"):
-                cells.append(f"{np.median([one.error(getattr(one, which), how) for one in several]):.1f}")
+                cells.append(f"{np.median([fitted.error(getattr(fitted, which), how) for fitted in several]):.1f}")
             ratio = ratios[name][how]
             cells.append(f"**{np.median(ratio):.2f}** ({min(ratio):.2f} to {max(ratio):.2f})")
         rows.append(tuple(cells))

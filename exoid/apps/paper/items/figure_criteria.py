@@ -28,10 +28,13 @@ def answer(experiments: Experiments) -> ItemAnswer:
     least = {item: min(each[item] for each in values.values()) for item in CRITERION_NAMES}
     half = 0.5 / len(leg.parameters)
 
-    def factor(one: str, value: float) -> float:
-        return math.exp(half * (value - least[one])) if one == "d_optimal" else value / least[one]
+    def factor(criterion: str, value: float) -> float:
+        return math.exp(half * (value - least[criterion])) if criterion == "d_optimal" else value / least[criterion]
 
-    scores = {name: {MEASURES[one]: factor(one, each[one]) for one in MEASURES} for name, each in values.items()}
+    scores = {
+        name: {measure: factor(criterion, each[criterion]) for criterion, measure in MEASURES.items()}
+        for name, each in values.items()
+    }
     by_condition, by_det = (scores[f"designed for {MEASURES[entry]}"] for entry in ("condition", "d_optimal"))
     mean, worst = MEASURES["d_optimal"], MEASURES["worst"]
     rows = [(name, *(f"{score:.2f}" for score in each.values())) for name, each in scores.items()]

@@ -1,4 +1,4 @@
-"""What the infinite penalty does to the search for a motion."""
+"""The effect of the infinite penalty on the search for a motion."""
 
 from __future__ import annotations
 

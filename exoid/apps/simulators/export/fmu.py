@@ -46,7 +46,7 @@ def write(ready: Ready, options: Options) -> dict[str, bytes]:
 
 
 def notes(ready: Ready, options: Options) -> tuple[str, ...]:
-    """Return what there is no FMU of, and why."""
+    """Return the kinds of model that have no FMU, and why."""
     return tuple(f"no FMU of {kind}: {why}" for kind, why in _models(ready, options)[1].items())
 
 
@@ -144,16 +144,17 @@ def _signals(quantity: str, role: str, joints: Sequence[Joint]) -> list[FmuVaria
 
 
 def _outside(ready: Ready) -> list[FmuVariable]:
-    """Return what comes from outside: the motion of the base, measured forces."""
+    """Return the variables that come from outside: the motion of the base, measured forces."""
     base = BASE_IN_SPACE if ready.model.spatial else BASE
     found = [FmuVariable(name, INPUT, unit, "motion of the base") for name, unit in base if ready.model.moving_base]
     return found + [
-        FmuVariable(f"force.{one}", INPUT, force_unit(one), "measured, on the machine") for one in ready.model.channels
+        FmuVariable(f"force.{channel}", INPUT, force_unit(channel), "measured, on the machine")
+        for channel in ready.model.channels
     ]
 
 
 def _places(variables: Sequence[FmuVariable]) -> Callable[[str], int]:
-    """Return what gives the place of the first variable called "word." something; 0 where there is none."""
+    """Return a function that gives the place of the first variable called "word." something; 0 where there is none."""
 
     def place(word: str) -> int:
         return next((k for k, variable in enumerate(variables, 1) if variable.name.startswith(f"{word}.")), 0)

@@ -51,7 +51,7 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
 
 
 def notes(ready: Ready, options: Options) -> tuple[str, ...]:
-    """Return what a user has to know before the package is run."""
+    """Return notes that a user has to know before the package is run."""
     said = ["ros2: the URDF allows no effort, and its hardware is a mock: put in your drives' own"]
     if ready.model.channels:
         said.append("ros2: measured forces are taken for zero, which solvers are not told")
@@ -95,7 +95,7 @@ def _torque(ready: Ready, q: Any, dq: Any, ddq: Any, function: Any = None) -> An
 
 
 def _inertia(ready: Ready, q: Any) -> Any:
-    """Return what an acceleration of each joint costs (J, J), rotors included."""
+    """Return the inertia matrix (J, J), rotors included."""
     import numpy as np
 
     still = np.zeros(len(ready.model.joints))
@@ -110,7 +110,7 @@ def _held(ready: Ready, q: Any) -> Any:
 
 
 def _friction(ready: Ready, q: Any, dq: Any, ddq: Any) -> Any:
-    """Return what is left of the torque beside inertia, Coriolis and what holds the machine."""
+    """Return the rest of the torque beside inertia, Coriolis and what holds the machine."""
     import numpy as np
 
     size = len(ready.model.joints)

@@ -116,7 +116,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _kept(args: argparse.Namespace) -> Kept | None:
-    """Return where what is learnt is kept; None where it is not."""
+    """Return the file that keeps what is learnt; None where nothing does."""
     from exoid.apps.watch.io.keeping import Kept
     from exoid.ground.output import check_target
 
@@ -127,7 +127,7 @@ def _kept(args: argparse.Namespace) -> Kept | None:
 
 
 def _told(args: argparse.Namespace, watcher: Watcher) -> tuple[Report, Scraped | None]:
-    """Return what tells events, with every destination that was asked for, and what is scraped."""
+    """Return the report that tells events, with every destination that was asked for, and the page that is scraped."""
     from exoid.apps.watch.io.report import Report, device_of
 
     report, scraped = Report(args, watcher, device_of(args.device)), None

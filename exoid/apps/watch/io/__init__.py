@@ -1,1 +1,1 @@
-"""What `exoid watch` is around a watcher: where samples come from, and where events go."""
+"""The parts of `exoid watch` around a watcher: sources of samples, and destinations of events."""

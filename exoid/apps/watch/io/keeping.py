@@ -1,4 +1,4 @@
-"""What was learnt, in the file of --state: read at the beginning, written as the watch goes on."""
+"""The file of --state with what was learnt: read at the beginning, written as the watch goes on."""
 
 from __future__ import annotations
 
@@ -35,7 +35,9 @@ class Kept:
         self.found = -1
 
     def read(self) -> WatchState | None:
-        """Return what an earlier watch has left, None where there is no such file yet; StateError for another file."""
+        """Return the state that an earlier watch has left, None where there is no such file yet; StateError for another
+        file.
+        """
         from exoid.apps.watch.state import LARGEST, StateError, WatchState
 
         if not self.path.exists():

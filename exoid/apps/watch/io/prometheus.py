@@ -1,4 +1,4 @@
-"""What a watch knows, to be scraped by Prometheus: `--prometheus PORT`, on the loopback address alone.
+"""Metrics of a watch, to be scraped by Prometheus: `--prometheus PORT`, on the loopback address alone.
 
     exoid_watch_events_total{event}            events so far
     exoid_watch_change{name}                   1 while something named differs from what is usual

@@ -26,7 +26,7 @@ DEVICE = re.compile(r"[A-Za-z0-9_.-]{1,64}")
 
 
 class Destination(Protocol):
-    """Where events go."""
+    """A destination of events."""
 
     def take(self, event: dict[str, Any]) -> None:
         """Take an event in plain types."""
@@ -95,9 +95,9 @@ class Report:
         self.came = now if came else self.came
         if self.args.heartbeat and now - self.beaten >= self.args.heartbeat:
             self.beaten = now
-            one, known = self.watcher, self.watcher.reference is not None
-            lost, silent = one.stream.lost, now - self.came
-            self._object(heartbeat_event(one.last, one.blocks, known, one.changed, silent, lost).to_json())
+            watcher, known = self.watcher, self.watcher.reference is not None
+            lost, silent = watcher.stream.lost, now - self.came
+            self._object(heartbeat_event(watcher.last, watcher.blocks, known, watcher.changed, silent, lost).to_json())
 
     def _object(self, found: dict[str, Any]) -> None:
         found = {**found, "at": datetime.now(UTC).isoformat(timespec="milliseconds"), "device": self.device}

@@ -1,4 +1,4 @@
-"""Where samples come from: a recording, a file that grows, a pipe, a topic of ROS 2."""
+"""Sources of samples: a recording, a file that grows, a pipe, a topic of ROS 2."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How noisy the angles are, told while they come: what of them is faster than any motion.
+"""The noise of the angles, told while they come: what of them is faster than any motion.
 
 The tenth difference of the samples that the torque's median looks at anyway is next to nothing of motion and all of
 white noise. One in `RING` is squared, the median of as many squares is not moved by a wrong angle, and is followed.

@@ -64,8 +64,8 @@ FORGOTTEN, FORGOTTEN_LEAST = 1.0, 0.1
 
 @dataclass(frozen=True)
 class Pace:
-    """How long numbers are remembered, in s: `inertia` the inertial ones, `rest` all others; `block` s is the length
-    over which scores are summed, `scale` s the memory of the residual's scale.
+    """The time for which numbers are remembered, in s: `inertia` the inertial ones, `rest` all others; `block` s is the
+    length over which scores are summed, `scale` s the memory of the residual's scale.
     """
 
     inertia: float = 300.0
@@ -75,7 +75,7 @@ class Pace:
 
 
 def constants(estimator: Estimator) -> dict[str, Any]:
-    """Return what the C text names, {key: text}."""
+    """Return the constants that the C text names, {key: text}."""
     return {
         "P": estimator.linear.size, "J": len(estimator.unit), "ROBUST": repr(ROBUST), "CREDIT": repr(CREDIT),
         "BLOCK": estimator.block, "FOLLOW": repr(estimator.follow), "TERMS": TERMS,

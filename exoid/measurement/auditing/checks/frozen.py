@@ -59,7 +59,7 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
 
 
 def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64]) -> Finding:
-    """Return what there is to say about `rows` in which a channel is frozen."""
+    """Return the finding about `rows` in which a channel is frozen."""
     what = f"the {channel.label} is frozen in {rows.size} rows while the {machine_word(recording.joints)} moves"
     where, share = place(recording, channel.name, rows), rows.size / len(recording)
     remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"

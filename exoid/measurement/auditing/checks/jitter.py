@@ -1,5 +1,4 @@
-"""Whether the clock ticks evenly. Uneven stamps are fine as long as they are true; they are used as
-logged."""
+"""Check that the clock ticks evenly. Uneven stamps are fine as long as they are true; they are used as logged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether there is enough of it."""
+"""Check that a recording is long enough."""
 
 from __future__ import annotations
 

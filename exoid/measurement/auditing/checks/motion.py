@@ -1,4 +1,4 @@
-"""Whether the joints move, and whether the torques do."""
+"""Check that the joints move, and that the torques change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How coarse the numbers are."""
+"""Check of the resolution of the channels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether it was sampled fast enough to give accelerations."""
+"""Check that a recording was sampled fast enough to give accelerations."""
 
 from __future__ import annotations
 

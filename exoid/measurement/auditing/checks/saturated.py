@@ -72,7 +72,7 @@ def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
 
 
 def saturated_finding(recording: Recording, channel: Channel, level: float, rows: NDArray[np.int64]) -> Finding:
-    """Return what there is to say about `rows` in which a channel lies at its end of scale."""
+    """Return the finding about `rows` in which a channel lies at its end of scale."""
     what = f"the {channel.label} stays at exactly {level:.4g} {channel.unit} in {rows.size} rows (end of scale?)"
     where, share = place(recording, channel.name, rows), rows.size / len(recording)
     remedy = "use a wider sensor range or a gentler motion"

@@ -54,7 +54,9 @@ def check(recording: Recording) -> list[Finding]:
 
 
 def _too_small(recording: Recording) -> list[Finding]:
-    """Return what is smaller in every joint than any leg has it: one unit too large was written for both."""
+    """Return a finding for every quantity that is smaller in all joints than in any leg: one unit too large was written
+    for both.
+    """
     if not is_leg(recording.joints):  # other machines come in all sizes
         return []
     found = []

@@ -1,4 +1,4 @@
-"""Whether a logged velocity is the derivative of the angle."""
+"""Check that a logged velocity is the derivative of the angle."""
 
 from __future__ import annotations
 
