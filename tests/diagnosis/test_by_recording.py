@@ -152,8 +152,11 @@ def test_a_gain_that_most_recordings_have_is_told_of_them_though_it_spoils_the_n
 def test_intervals_of_a_level_of_friction_hold_it(level):
     """What is known of the others' friction belongs to the interval of a ratio to it."""
     inside = 0
+    levels = [NUMBERS * ([1.0, 1.0, level, level] if k == 2 else 1.0) for k in range(3)]
     for seed in range(20):
-        runs = [drive(k + 10 * seed, NUMBERS * ([1.0, 1.0, level, level] if k == 2 else 1.0)) for k in range(3)]
+        rng = np.random.default_rng(seed)
+        clean = [drive(k, numbers) for k, numbers in enumerate(levels)]
+        runs = [replace(run, tau=run.tau + 0.2 * rng.standard_normal(run.tau.shape)) for run in clean]
         prepared = prepare(AXIS, runs[:2], runs[2:])
         (one,) = belonging_to(fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)).told
         (value,) = one.values.values()
