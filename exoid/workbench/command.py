@@ -1,8 +1,8 @@
 """The command `exoid`: finds the verb, runs it, and turns whatever goes wrong into a message and a status.
 
 Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 an internal
-error. A verb is a module in `commands/`, of the workbench or of an app, with `HELP`, `add_arguments(parser)` and
-`run(args) -> int`; nothing is registered.
+error. A verb is a module in `commands/`, of the workbench or of an app, with `GROUP`, `HELP`, `add_arguments(parser)`
+and `run(args) -> int`; nothing is registered.
 """
 
 from __future__ import annotations
