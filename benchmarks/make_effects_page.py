@@ -24,12 +24,11 @@ PAGE = ROOT / "docs" / "effects.md"
 HEAD = """\
 # The catalogue of physical effects
 
-Written from the catalogue by `python benchmarks/make_effects_page.py`; do not edit. `exoid effects ID` shows one entry.
+Written by `python benchmarks/make_effects_page.py`; do not edit. `exoid effects ID` shows one entry.
 
-The torque of an effect stands on the left side of the equation of motion: it is torque that the drive has to supply.
-θ, θ′, θ″ are angle, velocity and acceleration of the effect's own joint. Letters and signs: [notation](notation.md).
-What no motion at all can distinguish from an effect is computed (exact rank at random states), not typed. Each entry
-ends with the experiment that tells it from its look-alikes, and its source.
+The torque of an effect is torque that the drive has to supply. θ, θ′, θ″ are angle, velocity and acceleration of the
+effect's own joint ([notation](notation.md)). What no motion can distinguish from an effect is computed (exact rank at
+random states). Each entry ends with the experiment that tells it from its look-alikes, and its source.
 """
 ELSEWHERE = """\
 
@@ -43,14 +42,14 @@ joints that follow each other.
 def page() -> str:
     effects = list(catalogue().values())  # the leg's, then those that only other machines have
     never = never_separable([name for effect in effects for name in names(effect)], Model.standard())
-    lines = [HEAD, *overview(effects)]
+    lines, cited = [HEAD, *overview(effects)], {}
     for family, members in groupby(effects, key=lambda effect: effect.family):
         lines += ["", f"## {family.capitalize()}"]
         for effect in members:
-            lines += ["", *entry(effect, [(n, never[n]) for n in names(effect) if never[n]])]
+            lines += ["", *entry(effect, [(n, never[n]) for n in names(effect) if never[n]], cited)]
     lines.append(ELSEWHERE.rstrip())
     for effect in elsewhere(effects):
-        lines += ["", *entry(effect, [])]
+        lines += ["", *entry(effect, [], cited)]
     return "\n".join(lines) + "\n"
 
 
@@ -60,19 +59,27 @@ def elsewhere(effects: list[Effect]) -> list[Effect]:
 
 def overview(effects: list[Effect]) -> list[str]:
     further = elsewhere(effects)
-    lines = [f"{len(effects)} effects of a leg, and {len(further)} more of other machines:", ""]
-    lines += [f"* [`{e.id}`](#{e.id}): {e.title or e.id} ({joints(e)})" for e in effects]
+    lines = [f"{len(effects)} effects of a leg, at either joint unless said, and {len(further)} more of other machines:", ""]
+    lines += [f"* [`{e.id}`](#{e.id}): {e.title or e.id}{at(e)}" for e in effects]
     return lines + [f"* [`{e.id}`](#{e.id}): {e.title or e.id} (not on the leg)" for e in further]
+
+
+def at(effect: Effect) -> str:
+    where = joints(effect)
+    return "" if where == "hip or knee" else f" ({where})"
 
 
 def names(effect: Effect) -> list[str]:
     return [effect.id] if effect.on_both else [f"{effect.id}:{joint}" for joint in effect.joints]
 
 
-def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]:
+def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]], cited: dict[str, str]) -> list[str]:
     # The heading is the id alone, so that its anchor is the id.
     lines = [f"### {effect.id}", "", effect.explains, ""]
-    for joint, text in formula(effect).items():
+    torques = formula(effect)
+    if len(torques) > 1 and len(set(torques.values())) == 1:
+        torques = {"hip, and on the knee": next(iter(torques.values()))}
+    for joint, text in torques.items():
         where = f" on the {joint}" if joint else ""
         lines.append(f"* Torque{where}: " + (f"`{text}`" if effect.torque else text))
     lines += [f"* Not on the {joint}: {reason}" for joint, reason in effect.absorbed_on.items()]
@@ -80,7 +87,8 @@ def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]
     lines += [said(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
     if effect.tells_apart:
         lines += ["", f"Experiment: {effect.tells_apart}"]
-    return [*lines, "", f"Source: {effect.reference}"]
+    first = cited.setdefault(effect.reference, effect.id)  # a source is written out once
+    return [*lines, "", f"Source: {effect.reference}" if first == effect.id else f"Source: as for [`{first}`](#{first})"]
 
 
 def said(name: str, number: Coefficient | Shape) -> str:
