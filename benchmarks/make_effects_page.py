@@ -59,7 +59,8 @@ def elsewhere(effects: list[Effect]) -> list[Effect]:
 
 def overview(effects: list[Effect]) -> list[str]:
     further = elsewhere(effects)
-    lines = [f"{len(effects)} effects of a leg, at either joint unless said, and {len(further)} more of other machines:", ""]
+    count = f"{len(effects)} effects of a leg, at either joint unless said"
+    lines = [f"{count}, and {len(further)} more of other machines:", ""]
     lines += [f"* [`{e.id}`](#{e.id}): {e.title or e.id}{at(e)}" for e in effects]
     return lines + [f"* [`{e.id}`](#{e.id}): {e.title or e.id} (not on the leg)" for e in further]
 
@@ -88,7 +89,8 @@ def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]], cited: dict[
     if effect.tells_apart:
         lines += ["", f"Experiment: {effect.tells_apart}"]
     first = cited.setdefault(effect.reference, effect.id)  # a source is written out once
-    return [*lines, "", f"Source: {effect.reference}" if first == effect.id else f"Source: as for [`{first}`](#{first})"]
+    source = effect.reference if first == effect.id else f"as for [`{first}`](#{first})"
+    return [*lines, "", f"Source: {source}"]
 
 
 def said(name: str, number: Coefficient | Shape) -> str:
