@@ -100,7 +100,6 @@ def test_the_only_leg_with_torques_is_read(tmp_path):
         ("t,hip_angle,knee_angle,right_hip_angle,right_knee_angle,right_hip_torque,right_knee_torque", "can be q1"),
         ("t,hip_angle_raw,hip_angle_filt,knee_angle,hip_torque,knee_torque,x1", "can be q1"),
         ("t,thigh_angle,shank_angle,hip_torque,knee_torque,a,b", "no column for q1, q2"),
-        ("t,q0,q1,q2,tau0,tau1,tau2", "no column for q1, q2, tau1, tau2"),
     ],
 )
 def test_doubt_is_a_question(header, what, tmp_path):
@@ -207,3 +206,9 @@ def test_frames_without_a_rate_are_no_time(tmp_path):
     path = written(tmp_path / "run.csv", "Frame,q1,q2,tau1,tau2", [FRAME, *(LEG[n] for n in COLUMNS[1:])])
     with pytest.raises(RecordingError, match="no time column"):
         read_recording(path)
+
+
+def test_three_joints_counted_from_0_are_three_joints(tmp_path):
+    columns = [LEG["t"], *(LEG[n] + k for k, n in enumerate(("q1", "q2", "q1", "tau1", "tau2", "tau1")))]
+    found = read_recording(written(tmp_path / "run.csv", "t,q0,q1,q2,tau0,tau1,tau2", columns))
+    assert len(found.joints) == 3 and found.q[:, 2] == pytest.approx(LEG["q1"] + 2, abs=1e-5)

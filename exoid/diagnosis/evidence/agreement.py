@@ -13,7 +13,8 @@ class Agreement:
     """In how many splits a term is `accepted`, of those that can tell (`of`), and the `ranges` of its parameters there.
 
     `against` are indices of the recordings that, set aside, lose by it. `splits` counts those that cannot tell too,
-    `recordings` what they are splits of.
+    `recordings` what they are splits of; `mute`: the split that is in use, of fitted and held-out recordings, cannot
+    tell.
     """
 
     accepted: int = 0
@@ -22,6 +23,7 @@ class Agreement:
     against: tuple[int, ...] = ()
     splits: int = 0
     recordings: int = 0
+    mute: bool = False
 
     @property
     def share(self) -> float | None:
@@ -33,8 +35,9 @@ class Agreement:
         return self.share is None or self.share >= rules.most
 
     def repeats(self, rules: Rules) -> bool:
-        """True if nearly all splits of many recordings agree, of which most can tell: so many do not by chance,
-        whichever are held out.
+        """True if nearly all splits of many recordings agree: so many do not by chance, whichever are held out.
+
+        Those that cannot tell count against it; where that in use is one of them, most of all must.
         """
-        many = self.recordings >= rules.many_recordings and self.of > rules.half * self.splits
-        return many and self.accepted >= (1.0 - rules.level) * self.of
+        told = self.of if self.mute and self.of > rules.half * self.splits else self.splits
+        return self.recordings >= rules.many_recordings and self.accepted >= (1.0 - rules.level) * told

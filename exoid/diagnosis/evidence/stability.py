@@ -162,7 +162,9 @@ class Splits:
         worst = [k for k in order[:MOST_AGAINST] if tells[k] and gain[k] < 0.0]
         against = tuple(dict.fromkeys(r for k in worst for r in self.held_out[k]))
         told, recordings = int(tells.sum()), len({r for held in self.held_out for r in held})
-        return Agreement(int((tells & agrees).sum()), told, ranges, against, len(gain), recordings)
+        fitted, count = len(self.evidence.train), len(self.evidence.blocks)
+        mute = any(not tells[k] for k, held in enumerate(self.held_out) if held == tuple(range(fitted, count)))
+        return Agreement(int((tells & agrees).sum()), told, ranges, against, len(gain), recordings, mute)
 
 
 def _ranges(names: Sequence[str], values: Sequence[Float] | Float) -> dict[str, tuple[float, float]]:

@@ -90,7 +90,7 @@ class _Search:
         if not curve:
             return False
         self.fits.weigh((*rest, held))
-        explains = self.fits.pays(rest, (*rest, *curve), self.clear)
+        explains = total(self.fits.losses((*rest, *curve))) < total(self.fits.losses(rest))
         return explains and not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
 
     def _promising(self, state: State) -> list[Claimed]:

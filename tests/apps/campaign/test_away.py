@@ -18,7 +18,8 @@ from exoid.apps.campaign.plan import read_plan
 from exoid.apps.campaign.run import run_campaign
 from exoid.apps.campaign.store import AwayError, CampaignError, JobStore, task_of
 from exoid.ground.engines.engine import Engine, EngineError
-from exoid.workbench.command import main, versions
+from exoid.ground.version import versions
+from exoid.workbench.command import main
 
 DEMO = Path(__file__).parents[3] / "exoid" / "workbench" / "demo_data"
 PLAN = 'verb = "compare"\nfiles = "data/{device}/run_{run}.csv"\nverify = 1\n[options]\ncutoff = 6\n'
