@@ -140,6 +140,17 @@ def _beside_own(
     own = own and (belonging_to(base, rules) or own)
     if own is None:
         return answer
+    machines = [explained_by(last, found) for found in _of_machine_alone(question, answer, given)]
+
+    def is_worth(beside: FittedModel) -> bool:
+        """True if it predicts clearly better, and no effect of the machine explains nearly as much as many numbers."""
+        return predicts_better(last, beside, rules) and not any(
+            share >= rules.most * explained_by(last, beside) for share in machines
+        )
+
+    without = own.applied(given)
+    if not is_worth(_on(identify(answer.model, without.train, optimisers=()), without)):
+        return answer
     for _ in range(ROUNDS):
         beside, without = replace(question, own=own), own.applied(given)
         fitted = beside.fitted(recordings, verify, asking.tick, without)
@@ -150,13 +161,10 @@ def _beside_own(
             break
     told = own.without([entry.recording for entry in rival.left_out])
     worse = ("check_channels", "unexplained") if answer.verdict == "check_channels" else ("check_channels",)
-    if not told or rival.outside or rival.verdict in worse or not predicts_better(last, explained, rules):
+    if not told or rival.outside or rival.verdict in worse or not is_worth(explained):
         return answer
     if answer.left_out and answer.error is None and rival.error is not None:
         return answer  # what is another machine's is explained by no such number
-    machines = (explained_by(last, item) for item in _of_machine_alone(question, answer, given))
-    if any(machine >= rules.most * explained_by(last, explained) for machine in machines):
-        return answer  # an effect of the machine explains nearly as much as many numbers of recordings
     return with_own(rival, told, base)
 
 
