@@ -42,7 +42,8 @@ joints that follow each other.
 def page() -> str:
     effects = list(catalogue().values())  # the leg's, then those that only other machines have
     never = never_separable([name for effect in effects for name in names(effect)], Model.standard())
-    lines, cited = [HEAD, *overview(effects)], {}
+    lines = [HEAD, *overview(effects)]
+    cited: dict[str, str] = {}
     for family, members in groupby(effects, key=lambda effect: effect.family):
         lines += ["", f"## {family.capitalize()}"]
         for effect in members:
