@@ -18,6 +18,7 @@ from exoid.ground.files import write_whole
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, table
 from exoid.measurement.finding import Finding
+from exoid.measurement.logged import Logged
 from exoid.measurement.plots import angles_and_torques
 from exoid.measurement.signals.spikes import spikes
 from exoid.symbolic.joints import LEG, UNNAMED, Joint, Vector, is_spatial, names
@@ -74,7 +75,8 @@ class Recording:
     known masses that hung on the leg meanwhile, `conventions` the names of those it was converted from, `passive` the
     joints that had no drive meanwhile: their torque is zero, whatever their channel reads. `base` (N, 3) is how a
     measured base moved: its angle rad and its acceleration forwards and upwards m/s² without gravity; in space
-    (N, 6), three angles and three accelerations. None where nothing is known of it.
+    (N, 6), three angles and three accelerations. None where nothing is known of it. `logged` are further columns of the
+    file that say in what state the machine was.
     """
 
     name: str
@@ -96,6 +98,7 @@ class Recording:
     torque_valid: NDArray[np.bool_] = None  # type: ignore[assignment]
     forces: Mapping[str, Float] = field(default_factory=dict)
     contact: Float | None = None
+    logged: Mapping[str, Logged] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]

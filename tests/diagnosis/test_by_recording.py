@@ -16,6 +16,7 @@ from exoid.diagnosis.own_numbers.state import Claimed
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
+from exoid.measurement.logged import Logged
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
@@ -134,6 +135,49 @@ def test_another_gain_and_another_level_of_friction():
     assert gained.verdict == "adequate" and told(gained) == {"torque_gain": pytest.approx({"run_3": 1.2}, abs=0.02)}
     stiff = discover(AXIS, [*usual, drive(4, NUMBERS * [1.0, 1.0, 1.5, 1.5])], drive(3))
     assert stiff.verdict == "adequate" and told(stiff) == {"friction_level": pytest.approx({"run_4": 1.5}, abs=0.04)}
+
+
+def warm(k, start, goes):
+    """Return a recording, and one whose torque goes with the temperature of its motor, which warms up from `start`."""
+    cold, free = drive(k), drive(k, NUMBERS * [1.0, 1.0, 0.0, 0.0])
+    degrees = start + 6.0 * (1.0 - np.exp(-cold.t / 10.0))
+    logged = {"motor": Logged(cold.t[::100], degrees[::100], "°C", 0.01)}
+    tau = goes(cold.tau, cold.tau - free.tau, (degrees - 30.0)[:, None])
+    return replace(cold, tau=tau, logged=logged)
+
+
+STARTS = (21.0, 35.0, 28.0, 40.0)
+
+
+@pytest.mark.parametrize(
+    ("goes", "unit", "number"),
+    [
+        (lambda tau, friction, above: tau - 0.012 * above * friction, "1/°C", -0.0121),  # of what it is at 33.5 °C
+        (lambda tau, friction, above: tau * (1.0 + 0.005 * above), "1/°C", 0.0049),
+        (lambda tau, friction, above: tau + 0.05 * above, "N·m/°C", 0.05),
+    ],
+    ids=["friction", "gain", "zero"],
+)
+def test_what_goes_with_the_temperature_of_a_motor_is_said_of_it(goes, unit, number):
+    runs = [warm(k, start, goes) for k, start in enumerate(STARTS)]
+    found = discover(AXIS, runs[:3], runs[3])
+    one = next(one for one in found.of_recordings if one.what == "logged:motor")
+    assert found.verdict == "adequate" and one.unit == unit and one.joint == "axis"
+    (value,) = {e.value for e in one.values.values()}
+    assert value == pytest.approx(number, rel=0.06) and set(one.values) == {run.name for run in runs}
+    assert "goes with motor" in one.sentence
+
+
+def test_a_temperature_that_nothing_goes_with_is_not_told_of():
+    runs = [warm(k, start, lambda tau, friction, above: tau) for k, start in enumerate(STARTS)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert found.verdict == "adequate" and found.of_recordings == ()
+
+
+def test_friction_of_one_recording_is_not_laid_upon_its_temperature():
+    usual = [warm(k, start, lambda tau, friction, above: tau) for k, start in enumerate(STARTS)]
+    stiff = warm(4, 30.0, lambda tau, friction, above: tau + 0.5 * friction)
+    assert set(told(discover(AXIS, [*usual[:3], stiff], usual[3]))) == {"friction_level"}
 
 
 @pytest.mark.parametrize(("gained", "gain"), [((0, 1, 2), 0.85), ((0, 2), 1.25), ((1, 2, 3), 1.25)])

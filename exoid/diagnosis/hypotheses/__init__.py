@@ -9,7 +9,7 @@ torque, each times a number that belongs to a recording (the zero of its torque 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
@@ -17,6 +17,7 @@ from types import ModuleType
 import numpy as np
 
 from exoid.ground.folder import modules_in
+from exoid.measurement.logged import Logged
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -24,7 +25,7 @@ from exoid.symbolic.motion import Float
 @dataclass(frozen=True, eq=False)
 class Seen:
     """A model on one recording: its `columns` (J, K, P) at its `linear` numbers (P,), its `torque` (J, K) N·m, at the
-    times `t` (K,) s; filtered like the measured torque, or before the filter.
+    times `t` (K,) s; filtered like the measured torque, or before the filter. `logged` are further columns.
     """
 
     model: Model
@@ -32,10 +33,29 @@ class Seen:
     columns: Float
     torque: Float
     t: Float
+    logged: Mapping[str, Logged]
 
 
 def _alone(at: float) -> Float:
     return np.ones(1)
+
+
+@dataclass(frozen=True)
+class StateColumn:
+    """A further column that all recordings have, in `unit`: its `middle`, how far it goes from there (`reach`), and the
+    joint (index) that its name says; None for none.
+    """
+
+    name: str
+    unit: str
+    middle: float
+    reach: float
+    joint: int | None
+
+
+def nothing(seen: Seen) -> Float:
+    """No torque (J, K, 1)."""
+    return np.zeros((*seen.torque.shape, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +63,10 @@ class Claim:
     """One thing that may belong to recordings: `what` at a `place` (a joint or link; None for all), in `unit`.
 
     The prediction gains its number times `pieces(seen)` (J, K, m) mixed by `mix(node)` (m,), at one of the `nodes`
-    (V,). The number lies within `bounds`, and is told from `usual` on: 1 for a factor. `everyone`: each recording has
-    one of its own; otherwise those have that differ from the others, and all the same where it is `shared`.
+    (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
+    the model: its pieces are linear in the model's numbers. `everyone`: each recording has one of its own; `common`:
+    all have the same; otherwise those have one that differ from the others, and the same where it is `shared`. `of` is
+    what else its sentence tells.
     """
 
     what: str
@@ -53,30 +75,34 @@ class Claim:
     pieces: Callable[[Seen], Float]
     bounds: tuple[float, float]
     usual: float = 0.0
+    factor: bool = False
     everyone: bool = False
     shared: bool = False
+    common: bool = False
     nodes: tuple[float, ...] = (0.0,)
     mix: Callable[[float], Float] = _alone
-
-    @property
-    def factor(self) -> bool:
-        """True if it multiplies a torque of the model: its pieces are linear in the model's numbers."""
-        return self.usual != 0.0
+    of: str = ""
 
 
 @cache
 def hypotheses() -> dict[str, ModuleType]:
-    """Return the modules of this folder by name. Each has `claims(model)`, what it proposes for a model's machine, and
-    `said(place, values, where, when)`, a sentence about the numbers {recording: words} of one claim; `where` is the
-    place of a load in words, `when` since when or until when that is so, or "".
+    """Return the modules of this folder by name. Each has `claims(model, columns)`, what it proposes for a model's
+    machine and further columns of its recordings, and `said(claim, values, where, when)`, a sentence about the numbers
+    {recording: words} of one claim; `where` is the place of a load in words, `when` since when or until when that is
+    so, or "".
     """
     return modules_in(sys.modules[__name__])
 
 
-def claims_of(model: Model) -> tuple[Claim, ...]:
-    """Claims of all hypotheses for the machine of a model."""
-    found: Sequence[Sequence[Claim]] = [hypothesis.claims(model) for hypothesis in hypotheses().values()]
+def claims_of(model: Model, columns: Sequence[StateColumn] = ()) -> tuple[Claim, ...]:
+    """Claims of all hypotheses for the machine of a model, and further columns of its recordings."""
+    found: Sequence[Sequence[Claim]] = [hypothesis.claims(model, columns) for hypothesis in hypotheses().values()]
     return tuple(claim for some in found for claim in some)
+
+
+def sentence_on(claim: Claim, values: dict[str, str], where: str = "", when: str = "") -> str:
+    """Sentence of its hypothesis on the numbers {recording: words} of a claim."""
+    return str(hypotheses()[claim.what.partition(":")[0]].said(claim, values, where, when))
 
 
 def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Float]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, each_said, listed
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed
 from exoid.symbolic.mechanics.payload import HEAVIEST, LINKS
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -15,7 +16,7 @@ PLACES = 24
 """Places along a link at which a load is looked for first."""
 
 
-def claims(model: Model) -> tuple[Claim, ...]:
+def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return a load on each link; none in space, where its place is no one number."""
     if model.spatial:
         return ()
@@ -39,11 +40,11 @@ def _mix(at: float) -> Float:
     return np.array([at**2, at, 1.0])
 
 
-def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
+def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the loads {recording: words}, and where they hang."""
     names, words = listed(values), next(iter(values.values()))
     each = "" if len(set(values.values())) == 1 else f" ({each_said(values)})"
     what = f"{words}{where}" if not each else f"something{where}{each}"
     verb = "carry" if len(values) > 1 else "carries"
     than = "a load" if when else "a load that the others do not"
-    return f"{when} {names} {verb} {than}: {what} on the {place}".strip()
+    return f"{when} {names} {verb} {than}: {what} on the {claim.place}".strip()

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from exoid.diagnosis.hypotheses import Claim, each_said
+from collections.abc import Sequence
+
+from exoid.diagnosis.hypotheses import Claim, StateColumn, each_said
 from exoid.symbolic.model import Model
 
 
-def claims(model: Model) -> tuple[Claim, ...]:
+def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """None: it shifts the motion instead of adding torque (`exoid.diagnosis.own_numbers.clocks`)."""
     return ()
 
 
-def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
+def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the delays {recording: words} of the torques."""
     return f"The torques come at another time than in the other recordings: {each_said(values)}"

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from exoid.diagnosis.hypotheses import Claim, each_said, listed
+from collections.abc import Sequence
+
+from exoid.diagnosis.hypotheses import Claim, StateColumn, each_said, listed
 from exoid.symbolic.model import Model
 
 
-def claims(model: Model) -> tuple[Claim, ...]:
+def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """None: it shifts the motion instead of adding torque (`exoid.diagnosis.own_numbers.clocks`)."""
     return ()
 
 
-def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
+def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the rates {recording: words} of the torques' clock."""
     if len(set(values.values())) == 1:
         rate = next(iter(values.values()))

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said, than_usual
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 
-def claims(model: Model) -> tuple[Claim, ...]:
+def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another level of each joint's friction, a factor to the others' level."""
     return tuple(
-        Claim("friction_level", joint.name, "1", at_joint(k, partial(_friction, k)), (-1.0, 4.0), usual=1.0)
+        Claim("friction_level", joint.name, "1", at_joint(k, partial(friction, k)), (-1.0, 4.0), usual=1.0, factor=True)
         for k, joint in enumerate(model.joints)
     )
 
 
-def _friction(joint: int, seen: Seen) -> Float:
+def friction(joint: int, seen: Seen) -> Float:
     """Return the friction (K,) of one joint: of the base model, and what friction has been added there."""
     model = seen.model
     own = {term.name for term in model.terms if term.effect.family == "friction"}
@@ -28,6 +29,6 @@ def _friction(joint: int, seen: Seen) -> Float:
     return np.asarray(seen.columns[joint][:, which] @ seen.linear[which])
 
 
-def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
+def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the levels {recording: words} of friction."""
-    return f"{than_usual(f'friction of the {place} is another', when)}: {each_said(values)} times as much"
+    return f"{than_usual(f'friction of the {claim.place} is another', when)}: {each_said(values)} times as much"

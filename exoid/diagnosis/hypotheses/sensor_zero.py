@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, at_joint, each_said, than_usual
+from exoid.diagnosis.hypotheses import Claim, StateColumn, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 
 
-def claims(model: Model) -> tuple[Claim, ...]:
+def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return a zero of each torque sensor in every recording."""
     return tuple(
         Claim("sensor_zero", joint.name, joint.unit("tau"), at_joint(k, lambda seen: np.ones(len(seen.t))),
@@ -17,8 +19,10 @@ def claims(model: Model) -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
+def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the zeros {recording: words}."""
     if when:
-        return f"{than_usual(f'{place} torque sensor has another zero', when)}: {each_said(values)}"
-    return f"The {place} torque sensor has another zero in each recording: {each_said(values)}"
+        return f"{than_usual(f'{claim.place} torque sensor has another zero', when)}: {each_said(values)}"
+    if len(values) > 1 and len(set(values.values())) == 1:
+        return f"The zero of the {claim.place} torque sensor is {next(iter(values.values()))} in all recordings"
+    return f"The {claim.place} torque sensor has another zero in each recording: {each_said(values)}"

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, Seen, at_joint, each_said, than_usual
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 
-def claims(model: Model) -> tuple[Claim, ...]:
+def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another gain of each torque, a factor to the others' gain."""
     return tuple(
-        Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), (-0.5, 1.0), usual=1.0)
+        Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), (-0.5, 1.0), usual=1.0, factor=True)
         for k, joint in enumerate(model.joints)
     )
 
@@ -21,6 +22,6 @@ def _of(joint: int, seen: Seen) -> Float:
     return seen.torque[joint]
 
 
-def said(place: str | None, values: dict[str, str], where: str, when: str) -> str:
+def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the gains {recording: words}."""
-    return f"{than_usual(f'{place} torque is told with another gain', when)}: {each_said(values)} times"
+    return f"{than_usual(f'{claim.place} torque is told with another gain', when)}: {each_said(values)} times"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.diagnosis.own_numbers.fits import Fits
-from exoid.diagnosis.own_numbers.state import Cuts, State
+from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State
 from exoid.ground.ties import index_of_least
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.preparation.clocks import squares_left
@@ -19,9 +19,14 @@ LEAST = 2.0
 
 def changes_of(fits: Fits, state: State) -> Cuts:
     """Kept samples at which recordings are cut, beside what is held of the whole of them: where what may belong to
-    recordings, with other numbers before than after, explains at least a little of what is left.
+    recordings, with other numbers before than after, explains at least a little of what is left. A zero that all have
+    is the machine's.
     """
+    every, known = tuple(range(len(fits.rows))), [held.claim for held in state]
+    zeros = [claim for claim in fits.claims if claim.everyone and claim not in known]
+    state = (*state, *(Claimed(claim, claim.nodes[0], (every,)) for claim in zeros))
     step = fits.fitted(state, np.ones((len(fits.rows), 2)))
+    own = np.concatenate([np.r_[fits.place[claim]] for claim in fits.claims if not claim.common])
     found: Cuts = {}
     for k, (rows, left) in enumerate(zip(fits.rows, fits.left_by(state, [step, step]), strict=True)):
         rate = fits.now.prepared.all[k].kept_rate
@@ -29,7 +34,7 @@ def changes_of(fits: Fits, state: State) -> Cuts:
         places = np.arange(least, many - least, max(1, int(PACE * rate)))
         if not len(places):
             continue
-        columns = np.concatenate([rows[:, :, fits.count : -1], left[:, :, None]], axis=2) / fits.sigma[:, None, None]
+        columns = np.concatenate([rows[:, :, own], left[:, :, None]], axis=2) / fits.sigma[:, None, None]
         size = np.maximum(np.abs(columns[:, :, -1]), 1e-300)
         weighted = columns * np.minimum(1.0, fits.rules.robust / size)[:, :, None]
         ends = zip([0, *places], [*places, many], strict=True)

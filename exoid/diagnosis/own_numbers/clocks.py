@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.hypotheses import hypotheses
+from exoid.diagnosis.hypotheses import Claim, nothing, sentence_on
 from exoid.diagnosis.own_numbers.compared import predicts_better, total
 from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.rules import Rules
@@ -80,4 +80,5 @@ def _told(what: str, known: Mapping[str, tuple[float, float]]) -> Belonging:
         low, high = sorted((factor * abs(item.low), factor * abs(item.high)))
         way = ways[0] if item.value > 0.0 else ways[1]
         said[name] = f"{factor * abs(item.value):.2g} {shown} {way} ({low:.2g} to {high:.2g})"
-    return Belonging(what, None, unit, values, hypotheses()[what].said(None, said, "", ""))
+    claim = Claim(what, None, unit, nothing, (-np.inf, np.inf))
+    return Belonging(what, None, unit, values, sentence_on(claim, said))

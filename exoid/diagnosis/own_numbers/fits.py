@@ -11,19 +11,15 @@ from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.evidence.gram import inverse_of
-from exoid.diagnosis.hypotheses import Claim, Seen, claims_of
+from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
 from exoid.diagnosis.own_numbers.compared import clearer, total
-from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of
+from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of, state_columns
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.symbolic.motion import Float
 
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
-
-
-def _nothing(seen: Seen) -> Float:
-    return np.zeros((*seen.torque.shape, 1))
 
 
 class Fits:
@@ -40,7 +36,7 @@ class Fits:
         self.parts = parts_of(self.blocks, cuts)
         self.count = self.blocks[0].columns.shape[2]
         self.prior, self.linear = evidence.prior, now.linear
-        self.claims = claims_of(now.model)
+        self.claims = claims_of(now.model, state_columns(now))
         pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
         ends = self.count + np.cumsum([0, *(item.shape[2] for item in pieces[0])])
         self.place = {claim: slice(a, b) for claim, a, b in zip(self.claims, ends[:-1], ends[1:], strict=True)}
@@ -83,7 +79,8 @@ class Fits:
     def _seen(self, k: int) -> Seen:
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
         torque = now.torque(k) + columns @ (self.linear - now.linear)
-        return Seen(now.model, self.linear, columns, torque, now.prepared.all[k].t)
+        one = now.prepared.all[k]
+        return Seen(now.model, self.linear, columns, torque, one.t, one.logged)
 
     def _place_factors(self, linear: Float) -> None:
         """Have what multiplies a torque of the model do so at other numbers (P,) of the model."""
@@ -217,7 +214,7 @@ class Fits:
             columns = np.zeros((*rows.shape[:2], many))
             columns[place] = splines.columns[part.recording].values[0, 0][part.kept] * use[place][:, None]
             self.rows[k] = np.concatenate([rows[:, :, :-1], columns, rows[:, :, -1:]], axis=2)
-        claims = [Claim("curve", joint, "N·m", _nothing, (-np.inf, np.inf)) for _ in range(many)]
+        claims = [Claim("curve", joint, "N·m", nothing, (-np.inf, np.inf)) for _ in range(many)]
         self.place |= {claim: slice(first + k, first + k + 1) for k, claim in enumerate(claims)}
         self.curves[joint] = tuple(Claimed(claim, 0.0, (tuple(range(len(self.rows))),)) for claim in claims)
         return self.curves[joint]

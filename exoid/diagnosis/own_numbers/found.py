@@ -33,7 +33,7 @@ def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
     if len(set(names)) < len(names) or len(names) > rules.own_recordings:
         return None
     fits = Fits(now, rules, {})
-    held = _Search(fits).found(()) if len(names) > 1 else ()
+    held = _Search(fits).found(())
     cuts = changes_of(fits, held)
     if cuts:
         in_parts = Fits(now, rules, cuts)
@@ -49,13 +49,15 @@ class _Search:
 
     def __init__(self, fits: Fits) -> None:
         self.fits, self.rules, self.many = fits, fits.rules, len(fits.parts)
-        questions = sum(1 if claim.everyone else self.many for claim in fits.claims)
+        self.all = (tuple(range(self.many)),)
+        """The group of all parts."""
+        questions = sum(1 if claim.everyone or claim.common else self.many for claim in fits.claims)
         self.clear = max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / questions))
         """Standard errors by which one of so many claims is better, not by chance."""
 
     def found(self, state: State) -> State:
         """The claims that hold, of those that are held already and others."""
-        for claim in self.fits.claims:
+        for claim in self.fits.claims if self.many > 1 else ():
             own = Claimed(claim, claim.nodes[0], self.fits.everyone)
             held = any(item.claim is claim for item in state)
             if claim.everyone and not held and self.fits.pays(self._needless(state, own), (*state, own), self.clear):
@@ -63,7 +65,13 @@ class _Search:
         while True:
             self.fits.weigh(state)
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
-            best = least_of(longer, self.fits.weighed_loss, 1.0) if longer else state
+            alike = [(*state, held) for held in self._common(state)]
+            best = least_of([*alike, *longer], self.fits.weighed_loss, 1.0) if alike or longer else state
+            if alike and best[-1].claim not in [item[-1].claim for item in alike]:
+                simple = least_of(alike, self.fits.weighed_loss, 1.0)
+                self.fits.weigh(best)
+                if not self.fits.pays(simple, best, self.clear):
+                    best = simple  # one number for all explains as much
             self.fits.weigh(best)
             if not self.fits.pays(state, best, self.clear) or self._is_a_curve(state, best[-1]):
                 break
@@ -93,10 +101,19 @@ class _Search:
         explains = total(self.fits.losses((*rest, *curve))) < total(self.fits.losses(rest))
         return explains and not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
 
+    def _common(self, state: State) -> list[Claimed]:
+        """The claims that are not held of which all recordings have the same number, where that can be."""
+        taken = {held.claim for held in state}
+        free = [claim for claim in self.fits.claims if claim.common and claim not in taken]
+        held = [Claimed(claim, claim.nodes[0], self.all) for claim in free]
+        return [item for item in held if np.isfinite(self.fits.loss((*state, item)))]
+
     def _promising(self, state: State) -> list[Claimed]:
         """The most promising recording and node of every claim that is not held, the best few."""
         taken = {held.claim for held in state}
-        free = [item for item in self.fits.claims if not item.everyone and item not in taken]
+        if self.many < 2:
+            return []
+        free = [item for item in self.fits.claims if not (item.everyone or item.common or item in taken)]
         nodes = [(claim, node) for claim in free for node in claim.nodes]
         if not nodes:
             return []
@@ -206,13 +223,20 @@ class _Search:
             best = index_of_least([total(self.fits.losses(rival)) for rival in rivals])
             if self.fits.pays(rivals[best], state, self.clear):
                 break
+            same = rivals[best][len(state) - 1 :]
             state = rivals[best][: len(state) - 1]
+            state += tuple(item for item in same if self._drifts(state, item))
         return state
+
+    def _drifts(self, state: State, held: Claimed) -> bool:
+        """True if a zero goes with a further column: only with what it is at the column's middle is it known."""
+        zeros = [item.claim for item in state if item.claim.common and not item.claim.factor]
+        return any(claim.place == held.claim.place for claim in zeros)
 
     def _needless(self, rest: State, held: Claimed) -> State:
         """Claims that explain as much where a claim is needless: nothing, or of what everyone has, the same number in
         all recordings; that is the machine's, and has its place in the catalogue.
         """
-        same = tuple(range(self.many))
-        rest = (*rest, replace(held, groups=(same,))) if held.claim.everyone else rest
+        same = held.claim.everyone and held.groups != self.all
+        rest = (*rest, replace(held, groups=self.all)) if same else rest
         return self._all_placed(rest)

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import pooled_scale
-from exoid.diagnosis.hypotheses import Claim, Seen, hypotheses
+from exoid.diagnosis.hypotheses import Claim, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.state import Claimed, Part, State
 from exoid.diagnosis.rules import Rules
@@ -103,7 +103,7 @@ class OwnNumbers:
         """Torque (J, N, C) that belongs to a part of a recording where each number is one, before the filter."""
         model, linear, shape = self.now.model, self.linear, self.now.shapes[self.parts[j].recording]
         columns = model.columns(one.motion, shape, self.now.linear if model.needs_reference else None)
-        seen = Seen(model, linear, columns, model.torque(one.motion, linear, shape).T, one.motion.t)
+        seen = Seen(model, linear, columns, model.torque(one.motion, linear, shape).T, one.motion.t, one.logged)
         out = []
         for held in self.held:
             column = held.claim.pieces(seen) @ held.claim.mix(held.node)
@@ -222,7 +222,7 @@ def _told(fits: Fits, held: Claimed, numbers: Float, spread: _Spread, at: int) -
     for values, spans in told.values():
         said = {name: _said(values[name]) for name in sorted(values)}
         where = "" if place is None else f" at {_said(place)}"
-        sentence = hypotheses()[claim.what].said(claim.place, said, where, _when(spans))
+        sentence = sentence_on(claim, said, where, _when(spans))
         ordered = {name: values[name] for name in said}
         out.append(Belonging(claim.what, claim.place, unit, ordered, sentence, place, spans))
     return out

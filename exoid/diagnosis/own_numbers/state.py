@@ -8,8 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import RecordingEvidence
-from exoid.diagnosis.hypotheses import Claim
+from exoid.diagnosis.hypotheses import Claim, StateColumn
+from exoid.measurement.reading.names import joints_of
 from exoid.optimisation.preparation.prepare import Prepared
 
 Cuts = dict[int, int]
@@ -26,6 +28,32 @@ class Claimed:
 
 
 State = tuple[Claimed, ...]
+
+QUIET = 0.3
+"""Standard deviations of a further column that it may vary within a second."""
+STATES = 4
+"""Recordings that are needed where a column only differs from one to the other: of fewer, any column may go with what
+differs.
+"""
+
+
+def state_columns(now: FittedModel) -> tuple[StateColumn, ...]:
+    """Further columns that all recordings have and that say in what state the machine was: they change, and slowly."""
+    first, *others = [item.logged for item in now.prepared.all]
+    joints = now.model.joints
+    out = []
+    for name in (name for name in first if all(name in logged for logged in others)):
+        every = [first[name], *(logged[name] for logged in others)]
+        values = np.concatenate([item.values for item in every])
+        low, high = float(values.min()), float(values.max())
+        within = max(float(np.ptp(item.values)) for item in every)
+        noise = float(np.median([item.noise for item in every]))
+        if not noise < QUIET * values.std() or (within < QUIET * (high - low) and len(every) < STATES):
+            continue
+        named = joints_of(name, joints)
+        joint = min(named) - 1 if len(named) == 1 else None
+        out.append(StateColumn(name, first[name].unit, 0.5 * (low + high), 0.5 * (high - low), joint))
+    return tuple(out)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.reading.frames import is_table, table_from
 from exoid.measurement.reading.join import joined_pieces
 from exoid.measurement.reading.large import in_stretches
+from exoid.measurement.reading.logged import logged_columns
 from exoid.measurement.reading.long_table import widened
 from exoid.measurement.reading.made_times import join_split
 from exoid.measurement.reading.mapping import FILE, StatedMapping, remembered
@@ -276,6 +277,8 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     assigned, faults = assign_usable(table, told, where=where, joints=joints, modelled=machine is not None)
     draft = read_degrees(on_one_clock(table, assigned, origin, name, joints, faults), assigned)
     recording = as_recording(draft, origin, name).with_passive(*told.passive)
+    used = {id(part) for item in assigned.values() for part in (item.column, *item.column.factors)}
+    recording = replace(recording, logged=logged_columns(table, recording, used))
     recording = read_as(mask_unusable(without_rounding(recording)), told.convention)
     recording = selected(recording, table, told.only)
     recording = recording.with_findings(audit(recording))

@@ -6,7 +6,7 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.ground.errors import NotEnoughDataError
+from exoid.measurement.logged import Logged
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.bridging import Bridge
 from exoid.measurement.signals.butterworth import (
@@ -66,6 +67,8 @@ class UniformSignals:
     """The recording whose torques these are, sample by sample; None where they were resampled."""
     stances: Float | None = None
     """When (S, 2) in s a foot came down and left the ground, where that was measured."""
+    logged: Mapping[str, Logged] = field(default_factory=dict)
+    """Further columns that say in what state the machine was."""
     _slower: dict[int, Float] = field(default_factory=dict, init=False, repr=False)
     _beside: dict[int, NDArray[np.bool_]] = field(default_factory=dict, init=False, repr=False)
 
@@ -183,7 +186,7 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
         torque_gap = torque_gap | np.any(unpushed, axis=1, keepdims=True)
     missing = torque_gap & ~passive
     as_read = recording if grid.size == len(recording) and np.array_equal(tau, recording.tau) else None
-    known = (passive, recording.payloads, base, pushed, as_read, stances_of(recording))
+    known = (passive, recording.payloads, base, pushed, as_read, stances_of(recording), recording.logged)
     return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, *known)
 
 

@@ -13,7 +13,7 @@ whichever samples are hidden, rightly or wrongly: a true model leaves filtered n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -21,6 +21,7 @@ import numpy as np
 
 from exoid.ground.thresholds import threshold
 from exoid.measurement.auditing.channels import NOTHING
+from exoid.measurement.logged import Logged
 from exoid.measurement.signals.bridging import Bridge, bridging
 from exoid.measurement.signals.butterworth import WaveProducts
 from exoid.measurement.signals.conditioning import (
@@ -125,6 +126,8 @@ class PreparedRecording:
     """What the direction of motion is taken from; None: the velocities themselves."""
     stances: Float | None = field(default=None, kw_only=True)
     """When (S, 2) in s a foot came down and left the ground, where that was measured."""
+    logged: Mapping[str, Logged] = field(default_factory=dict, kw_only=True)
+    """Further columns that say in what state the machine was."""
 
     def beside(self, known: Float) -> PreparedRecording:
         """Return the recording with its spikes judged anew, beside the torque `known` (N, J) of a model."""
@@ -327,6 +330,7 @@ def prepare_one(
         read=TorqueRead(tau, missing, ~stuck[kept].T & ~standing[:, None], brief),
         direction=told,
         stances=even.stances,
+        logged=even.logged,
     )
     if beta is None:
         return recording.without(_spikes(even, factor))
