@@ -79,8 +79,8 @@ class Fits:
     def _seen(self, k: int) -> Seen:
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
         torque = now.torque(k) + columns @ (self.linear - now.linear)
-        one = now.prepared.all[k]
-        return Seen(now.model, self.linear, columns, torque, one.t, one.logged)
+        recording = now.prepared.all[k]
+        return Seen(now.model, self.linear, columns, torque, recording.t, recording.logged)
 
     def _place_factors(self, linear: Float) -> None:
         """Have what multiplies a torque of the model do so at other numbers (P,) of the model."""

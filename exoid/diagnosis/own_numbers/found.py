@@ -44,6 +44,11 @@ def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
     return with_numbers(fits, held) if held else None
 
 
+def placed(fits: Fits, state: State) -> State:
+    """Claims that are known to hold, each at the node that fits best."""
+    return _Search(fits).placed(state)
+
+
 class _Search:
     """The search among the claims of some fits."""
 
