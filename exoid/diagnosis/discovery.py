@@ -20,6 +20,7 @@ from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.own_numbers.clocks import one_clock
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
+from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.question import Question
 from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
@@ -136,10 +137,10 @@ def _beside_own(
     question, given = asking.question, base.prepared
     rules = question.rules
     last = _on(answer.fit, given)
-    own = None if given.misread or answer.outside else belonging_to(last, rules)
-    own = own and (belonging_to(base, rules) or own)
-    if own is None:
+    beside = None if given.misread or answer.outside else belonging_to(last, rules)
+    if beside is None:
         return answer
+    alone = belonging_to(base, rules)
     machines = [explained_by(last, found) for found in _of_machine_alone(question, answer, given)]
 
     def is_worth(beside: FittedModel) -> bool:
@@ -148,13 +149,18 @@ def _beside_own(
             share >= rules.most * explained_by(last, beside) for share in machines
         )
 
-    without = own.applied(given)
-    if not is_worth(_on(identify(answer.model, without.train, optimisers=()), without)):
+    def is_worth_asking(own: OwnNumbers) -> bool:
+        without = own.applied(given)
+        return is_worth(_on(identify(answer.model, without.train, optimisers=()), without))
+
+    # What belongs to recordings beside the model as given may be what an effect took the place of, or its trace.
+    own = next((item for item in (alone, beside) if item is not None and is_worth_asking(item)), None)
+    if own is None:
         return answer
     for _ in range(ROUNDS):
-        beside, without = replace(question, own=own), own.applied(given)
-        fitted = beside.fitted(recordings, verify, asking.tick, without)
-        rival = _of_machine(replace(asking, question=beside), fitted, recordings, verify)
+        again, without = replace(question, own=own), own.applied(given)
+        fitted = again.fitted(recordings, verify, asking.tick, without)
+        rival = _of_machine(replace(asking, question=again), fitted, recordings, verify)
         explained = _on(rival.fit, without)
         before, own = own, belonging_to(_on(rival.fit, given), rules) or own
         if own.agrees(before):
