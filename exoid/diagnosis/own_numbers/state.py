@@ -44,6 +44,8 @@ def state_columns(now: FittedModel) -> tuple[StateColumn, ...]:
     out = []
     for name in (name for name in first if all(name in logged for logged in others)):
         every = [first[name], *(logged[name] for logged in others)]
+        if len({item.unit for item in every}) > 1:
+            continue
         values = np.concatenate([item.values for item in every])
         low, high = float(values.min()), float(values.max())
         within = max(float(np.ptp(item.values)) for item in every)
