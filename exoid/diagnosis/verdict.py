@@ -18,6 +18,7 @@ from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.swinging import Swing, swinging
 from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.text import digits
 from exoid.ground.ties import index_of_greatest, least_of
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
@@ -217,8 +218,9 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     names = [name for name, rms in last.per_recording if rms[j] > rules.near_noise * floor[j]]
     unit = last.model.joints[j].unit("tau")
     return (
-        f"the {last.model.joint_names[j]} keeps {last.train_rms[j]:.3g} {unit} on fitted motion ({', '.join(names)}), "
-        f"{times[j]:.2g} times the noise, and {last.evaluation_rms[j]:.3g} {unit} on unseen motion"
+        f"the {last.model.joint_names[j]} keeps {digits(last.train_rms[j])} {unit} on fitted motion "
+        f"({', '.join(names)}), {digits(times[j], 2)} times the noise, "
+        f"and {digits(last.evaluation_rms[j])} {unit} on unseen motion"
     )
 
 
@@ -355,7 +357,7 @@ def _deciding(alike: Sequence[Accepted], find: Callable[[str], Effect] = find_ef
             parts.append(f"exoid design --separate {','.join([item.name, *apart[:2]])} finds the motion that decides")
         known = every_effect().get(item.effect)
         if known is not None and known.tells_apart:
-            parts.append(known.tells_apart)
+            parts.append(known.tells_apart.rstrip("."))
     return "; ".join(dict.fromkeys(parts))
 
 
@@ -366,7 +368,7 @@ def _falls(first: FittedModel, last: FittedModel) -> str:
 
 def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
     falls = zip(joints, before, after, strict=True)
-    return ", ".join(f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}" for joint, b, a in falls)
+    return ", ".join(f"{joint.name} {digits(b)} to {digits(a)} {joint.unit('tau')}" for joint, b, a in falls)
 
 
 def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:

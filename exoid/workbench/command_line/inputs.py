@@ -7,7 +7,7 @@ import math
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -101,6 +101,10 @@ def told_recordings(
     refuse_repeats(args.recordings, held_out)
     files_among([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
     given, unseen = files_among(args.recordings), files_among(held_out)
+    hidden = {os.path.realpath(path) for path in unseen.paths}
+    # Of a folder or pattern what --verify names is held out, and the rest is fitted.
+    kept = tuple(path for path in given.paths if path in given.named or os.path.realpath(path) not in hidden)
+    given = replace(given, paths=kept or given.paths)
     refuse_repeats(given.paths, unseen.paths)
     every = [*given.paths, *unseen.paths]
     loads = payloads(getattr(args, "payload", []), every)

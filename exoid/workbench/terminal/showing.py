@@ -9,7 +9,9 @@ from typing import Any
 from exoid.diagnosis.report.cells import error_sizes
 from exoid.diagnosis.report.material import NOTHING_HELD_OUT
 from exoid.diagnosis.report.sections.verdict import term
+from exoid.diagnosis.report.sections.where import words as variable_words
 from exoid.diagnosis.sureness import meanings_of
+from exoid.ground.text import digits
 from exoid.symbolic.wording import added_said
 from exoid.workbench.terminal.screen import Screen, bar
 
@@ -83,9 +85,10 @@ def show_comparison(screen: Screen, found: Any) -> None:
             screen.say("The error depends on nothing that was looked at.")
         return
     places = [
-        (w.joint, w.variable, percent(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution)
+        (w.joint, variable_words(w.variable, found.joints), percent(w.share), w.sentence.removeprefix(f"{w.joint}: "),
+         w.caution)
         for w in found.where[:MOST_PLACES]
-    ]
+    ]  # fmt: skip
     screen.table("Where it sits", ("joint", "depends on", "share", "what that means", "caution"), places)
 
 
@@ -142,7 +145,8 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
         screen.table("Suspects", head, rows, ". ".join(words) and f"{'. '.join(words)}.")
     left = result.get("unexplained") or {}
     if left.get("significant") and left["variables"]:
-        screen.say(f"left over: {left['joint']}, depends on {', '.join(left['variables'])}", "warn")
+        depends = ", ".join(f"the {variable_words(name, found.joints)}" for name in left["variables"])
+        screen.say(f"left over: {left['joint']}, depends on {depends}", "warn")
         for text in left.get("suggested_terms", ()):
             screen.say(f"  worth trying as an effect of your own: torque = {text!r}")
     if found.stopped_because:
@@ -165,11 +169,11 @@ def show_steps(screen: Screen, fall: Any) -> None:
         screen.say(f"  {'noise floor':<{width}}  {number(floor):>7}  {bar(floor / longest)}", "faint")
 
 
-def number(value: float | None, digits: int = 3) -> str:
-    """Return a number with `digits` significant digits, or a dash where there is none."""
+def number(value: float | None, count: int = 3) -> str:
+    """Return a number with `count` significant digits, or a dash where there is none."""
     if value is None or not math.isfinite(value):
         return "-"
-    return f"{value:.{digits}g}"
+    return digits(value, count)
 
 
 def percent(share: float | None) -> str:

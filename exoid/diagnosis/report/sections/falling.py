@@ -29,6 +29,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "unseen": any(step.verify_rms is not None for step in fall.steps),
         "sentences": [(step.label, step.sentence) for step in fall.steps if step.sentence],
         "ending": fall.stopped_because,
+        "unit": fall.unit,
     }
 
 

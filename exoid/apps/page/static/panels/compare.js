@@ -83,7 +83,7 @@ async function loadOther(recording) {
 
 // The other error as a curve: what comes after in the colour of what is good, what was before as a trace behind.
 function drawn(values) {
-  return other.words === "after" ? { values, colour: "good", width: 1.6, name: "after" } : { values, colour: "faint", width: 1.2, name: "before" };
+  return other.words === "after" ? { values, colour: "after", width: 1.6, name: "after" } : { values, colour: "faint", width: 1.2, name: "before" };
 }
 
 // The plots over time as large as the screen.
