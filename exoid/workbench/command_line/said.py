@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from exoid.measurement.finding import alike_findings, file_of, more_files
 from exoid.workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
@@ -20,6 +19,7 @@ def say_findings(recordings: Sequence[Recording], args: argparse.Namespace) -> N
     are is left to the answer, which asks all of them together.
     """
     from exoid.measurement.auditing.convention import CHECKS as CONVENTION
+    from exoid.measurement.finding import alike_findings, file_of, more_files
     from exoid.measurement.reading.among import LEFT_OUT
 
     told = [
