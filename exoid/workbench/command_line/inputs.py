@@ -103,8 +103,8 @@ def told_recordings(
     given, unseen = files_among(args.recordings), files_among(held_out)
     hidden = {os.path.realpath(path) for path in unseen.paths}
     # Of a folder or pattern what --verify names is held out, and the rest is fitted.
-    kept = tuple(path for path in given.paths if path in given.named or os.path.realpath(path) not in hidden)
-    given = replace(given, paths=kept or given.paths)
+    fitted = tuple(path for path in given.paths if path in given.named or os.path.realpath(path) not in hidden)
+    given = replace(given, paths=fitted or given.paths)
     refuse_repeats(given.paths, unseen.paths)
     every = [*given.paths, *unseen.paths]
     loads = payloads(getattr(args, "payload", []), every)
