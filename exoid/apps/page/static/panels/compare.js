@@ -67,7 +67,9 @@ const otherWord = () => (added() ? "before" : "after");
 
 async function loadOther(recording) {
   const { verdict } = view.state;
-  document.getElementById("word-after").textContent = otherWord();
+  const word = document.getElementById("word-after");
+  word.textContent = otherWord();
+  word.parentElement.className = `key-${otherWord()}`;
   const words = added() || (verdict.proposed && verdict.accepted.length > 0) ? otherWord() : "";
   const key = `${recording}|${words}|${words === "after" ? verdict.headline : ""}`;
   if (!words) other = null;
