@@ -34,7 +34,7 @@ from exoid.optimisation.fitting.thigh_length import ThighLength
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import JOINTS, Estimate
-from exoid.symbolic.wording import added_said, called, number_of
+from exoid.symbolic.wording import added_said, called, number_of, the_joint
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -279,8 +279,9 @@ class Diagnosis(Reported):
     def more_missing(self) -> str:
         """Error beside what was accepted, in words: where, and how many times the noise; "" for none."""
         if self.error is not None:
-            return f"the {self.error.joint} keeps {self.error.beside}"
-        return "" if self.unexplained is None else f"the {self.unexplained.joint} keeps what no known effect explains"
+            return f"{the_joint(self.error.joint)} keeps {self.error.beside}"
+        left = self.unexplained
+        return "" if left is None else f"{the_joint(left.joint)} keeps what no known effect explains"
 
     @property
     def headline(self) -> str:

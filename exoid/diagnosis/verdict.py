@@ -28,7 +28,7 @@ from exoid.symbolic.joints import Joint
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.term import Term
-from exoid.symbolic.wording import called, number_called, number_said, title_of
+from exoid.symbolic.wording import called, number_called, number_said, the_joint, title_of
 
 if TYPE_CHECKING:
     from exoid.diagnosis.evidence.fitted import FittedModel
@@ -218,7 +218,7 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     names = [name for name, rms in last.per_recording if rms[j] > rules.near_noise * floor[j]]
     unit = last.model.joints[j].unit("tau")
     return (
-        f"the {last.model.joint_names[j]} keeps {digits(last.train_rms[j])} {unit} on fitted motion "
+        f"{the_joint(last.model.joint_names[j])} keeps {digits(last.train_rms[j])} {unit} on fitted motion "
         f"({', '.join(names)}), {digits(times[j], 2)} times the noise, "
         f"and {digits(last.evaluation_rms[j])} {unit} on unseen motion"
     )
@@ -319,7 +319,7 @@ def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
 
 def _size(error: ModelError | None) -> str:
     """Error that is left beside the structure that was found, in words; "" without one."""
-    return "" if error is None else f"; the error of the {error.joint} is {error.beside}"
+    return "" if error is None else f"; the error of {the_joint(error.joint)} is {error.beside}"
 
 
 def check_channels(misread: Sequence[Finding]) -> Conclusion:

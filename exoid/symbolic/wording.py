@@ -17,7 +17,12 @@ CHOICE = re.compile(r"([+-]?\d+(?:\.\d+)?): ([^,;]+)")
 def title_of(effect: Effect, joint: str | None = None) -> str:
     """Return "Stribeck friction at the knee", without a place for an effect on all joints."""
     title = effect.title or effect.id.replace("_", " ")
-    return f"{title} at the {joint}" if joint else title
+    return f"{title} at {the_joint(joint)}" if joint else title
+
+
+def the_joint(name: str) -> str:
+    """The name of a joint in a sentence: "the knee", but "joint_3"."""
+    return name if re.search(r"[\d_]", name) else f"the {name}"
 
 
 def called(name: str, find: Callable[[str], Effect] = find_effect) -> str:

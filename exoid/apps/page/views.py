@@ -25,7 +25,7 @@ from exoid.optimisation.linear.links import tree_of
 from exoid.symbolic.joints import HERE, Joint, parents
 from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from exoid.symbolic.mechanics.spatial import rotation
-from exoid.symbolic.wording import called, number_said, title_of
+from exoid.symbolic.wording import called, number_said, the_joint, title_of
 from exoid.workbench.exporting import formats
 
 if TYPE_CHECKING:
@@ -299,7 +299,7 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     joint = session.model.joints[worst]
     kind = "unseen" if session.prepared.verify else "fitted"
     size = f"{digits(error[worst])} {joint.unit('tau')} on {kind} motion, {digits(times[worst], 2)} times its noise"
-    text = f"The error of the model at the {joint.name} is {size}."
+    text = f"The error of the model at {the_joint(joint.name)} is {size}."
     if not session.prepared.verify:
         text += f" {NOTHING_HELD_OUT}"
     return {"kind": "open", "sentence": text, "judged": False,

@@ -16,6 +16,7 @@ from exoid.ground.text import digits
 from exoid.ground.ties import index_of_greatest
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
+from exoid.symbolic.wording import the_joint
 
 UNKNOWN = "these torques were filtered before or computed, and hold no noise to compare it with"
 FUNCTION = "function of angle, velocity, acceleration, load or time that was tried"
@@ -74,7 +75,7 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
         )
     joint, kind = last.model.joint_names[j], "unseen" if last.verified else "fitted"
     unit = last.model.joints[j].unit("tau")
-    size = f"the {joint} keeps {digits(error[j])} {unit} on {kind} motion"
+    size = f"{the_joint(joint)} keeps {digits(error[j])} {unit} on {kind} motion"
     text = (
         f"{size}, {digits(times[j], 2)} times the noise of {floor[j]:.2g} {unit}. It is not noise, and no {FUNCTION}"
         if last.prepared.noise_is_known
@@ -132,7 +133,7 @@ def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelErr
     joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
     beside = f", {digits(times, 2)} times the noise of the sensors" if last.prepared.noise_is_known else f" ({UNKNOWN})"
     text = (
-        f"the {joint} keeps {digits(last.evaluation_rms[j])} {unit}{beside}, "
+        f"{the_joint(joint)} keeps {digits(last.evaluation_rms[j])} {unit}{beside}, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion. "
         "Something acts that is not in the recordings: a person, the ground, or what changes from time to time"
     )

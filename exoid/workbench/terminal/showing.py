@@ -9,10 +9,9 @@ from typing import Any
 from exoid.diagnosis.report.cells import error_sizes
 from exoid.diagnosis.report.material import NOTHING_HELD_OUT
 from exoid.diagnosis.report.sections.verdict import term
-from exoid.diagnosis.report.sections.where import words as variable_words
 from exoid.diagnosis.sureness import meanings_of
 from exoid.ground.text import digits
-from exoid.symbolic.wording import added_said
+from exoid.symbolic.wording import added_said, the_joint
 from exoid.workbench.terminal.screen import Screen, bar
 
 SPIKES = "torque_outliers"
@@ -70,6 +69,8 @@ def show_findings(screen: Screen, audit: Sequence[Any], misread: Sequence[Any] =
 
 def show_comparison(screen: Screen, found: Any) -> None:
     """Show how large the error is per joint, and where it sits."""
+    from exoid.diagnosis.report.sections.where import words as variable_words
+
     head, rows = error_sizes(found)
     shown = [[joint, *("" if x is None else number(x) for x in values)] for joint, *values in rows]
     screen.table("How large the error is (RMS)", head, shown)
@@ -110,12 +111,14 @@ def show_differences(screen: Screen, found: Any) -> None:
     errors = zip(found.joints, found.units, found.rms_before, found.rms_after, found.rms_named, strict=True)
     for joint, unit, *values in errors:
         before, after, named = map(number, values)
-        screen.say(f"error of the {joint}: {before} {unit} before, {after} after, {named} with what is named")
+        screen.say(f"error of {the_joint(joint)}: {before} {unit} before, {after} after, {named} with what is named")
     show_findings(screen, found.audit)
 
 
 def show_diagnosis(screen: Screen, found: Any) -> None:
     """Show verdict, reason, what was accepted, the suspects and what to measure next."""
+    from exoid.diagnosis.report.sections.where import words as variable_words
+
     result = found.to_json()
     screen.say()
     screen.say(f"{found.headline}.", VERDICT_STYLES.get(found.verdict, "warn"))
@@ -162,7 +165,7 @@ def show_steps(screen: Screen, fall: Any) -> None:
         shown = [(added_said(step.label), float(step.evaluation_rms[j])) for step in fall.steps]
         longest = max((x for _, x in shown if math.isfinite(x)), default=0.0) or 1.0
         width = max(len(name) for name, _ in shown)
-        screen.say(f"error of the {joint}, {fall.steps[0].judged} motion [{fall.unit}]", "head")
+        screen.say(f"error of {the_joint(joint)}, {fall.steps[0].judged} motion [{fall.unit}]", "head")
         for name, x in shown:
             screen.say(f"  {name:<{width}}  {number(x):>7}  {bar(x / longest if math.isfinite(x) else 1.0)}")
         floor = float(fall.noise_floor[j])

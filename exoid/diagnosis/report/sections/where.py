@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from exoid.diagnosis.evidence.curves import variables
 from exoid.diagnosis.report.cells import error_sizes, share
 from exoid.diagnosis.report.material import Material
 from exoid.ground.text import without_empty
+from exoid.symbolic.joints import Joint
 
 TITLE = "Where the model fails"
 ORDER = 30
@@ -41,8 +43,5 @@ def context(material: Material) -> Mapping[str, Any] | None:
 
 def words(variable: str, joints: Sequence[str]) -> str:
     """Return "knee velocity" for "dq2"; a name that is not a variable of the diagnosis stays what it is."""
-    from exoid.diagnosis.evidence.curves import variables
-    from exoid.symbolic.joints import Joint
-
     known = variables(tuple(Joint(name) for name in joints))
     return known[variable][0] if variable in known else variable
