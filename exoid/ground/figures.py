@@ -194,14 +194,14 @@ def to_png(figure: Figure, dpi: int = 150) -> bytes:
     return buffer.getvalue()
 
 
-def to_data_uri(figure: Figure) -> str:
+def to_data_uri(figure: Figure, largest: int = LARGEST_SVG, dpi: int = 150) -> str:
     """Return `figure` as a data URI for an `<img>`: SVG that follows the reader's light or dark mode, or PNG
-    where the SVG would be heavy.
+    where the SVG would be larger than `largest`.
     """
     svg = adaptive(_light(to_svg(figure)))
-    if len(svg) <= LARGEST_SVG:
+    if len(svg) <= largest:
         return SVG_URI + quote(svg, safe=PLAIN)  # a quarter less than in base64
-    return png_uri(to_png(figure))
+    return png_uri(to_png(figure, dpi))
 
 
 def png_uri(png: bytes) -> str:
