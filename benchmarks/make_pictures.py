@@ -3,6 +3,7 @@
 `docs/falling_error.png` is the figure of the result, `docs/page.png` the page of `exoid open`, and `docs/report.png`
 the head of the report; the last two need a Chromium. Each carries the text that is to be read on it (`Description`).
 
+python benchmarks/make_pictures.py rivals    `docs/rivals.png`: the contest of `exoid rivals` with 51 seeds, minutes
 python benchmarks/make_pictures.py --check exoid-demo/result.json    exit status 1 where `exoid demo` says otherwise
 """
 
@@ -30,6 +31,9 @@ def main() -> int:
         old = out_of_date(found)
         sys.stdout.write(f"run python benchmarks/make_pictures.py: {'; '.join(old)}\n" if old else "current\n")
         return 1 if old else 0
+    if "rivals" in sys.argv[1:]:
+        draw_rivals()
+        return 0
     draw_falling()
     photograph()
     sys.stdout.write("docs/falling_error.png, docs/page.png, docs/report.png\n")
@@ -63,6 +67,15 @@ def draw_falling() -> None:
     target = DOCS / "falling_error.png"
     figure.savefig(target, dpi=150)
     keep(target, " ".join(text.get_text() for axes in figure.axes for text in axes.texts))
+
+
+def draw_rivals() -> None:
+    """The figure of the contest of optimisers, as `exoid rivals` runs it."""
+    import exoid
+
+    target = DOCS / "rivals.png"
+    exoid.rivals().plot().savefig(target, dpi=110)
+    keep(target, "")
 
 
 def photograph() -> None:

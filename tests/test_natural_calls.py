@@ -66,6 +66,14 @@ def test_recordings_alone_are_of_the_standard_leg(bench):
         exoid.compare("leg.toml")
 
 
+def test_a_file_of_the_folder_that_is_held_out_is_not_fitted(bench):
+    held_out = DATA / "verify.csv"
+    apart = exoid.compare([*sorted(DATA.glob("train*.csv"))], verify=held_out)
+    assert np.array_equal(exoid.compare(DATA, verify=held_out).rms, apart.rms)
+    with pytest.raises(exoid.ExoidError, match="held out"):
+        exoid.compare([held_out, bench.files[0]], verify=held_out)
+
+
 HELD_OUT = {
     "a path": lambda b: b.files[3],
     "a frame": lambda b: b.frames[3],

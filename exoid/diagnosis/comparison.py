@@ -29,6 +29,7 @@ from exoid.diagnosis.where import Where, samples_of, where_it_sits
 from exoid.ground.frames import pandas
 from exoid.ground.html import picture, table
 from exoid.ground.plain import AsJson, by_name
+from exoid.ground.text import digits
 from exoid.measurement.finding import Finding
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -112,7 +113,7 @@ class Comparison(Reported):
         other = fitted_model(after, self.now.prepared)
         held_out = self.verify_rms is not None
         pairs = zip(self.joints, self.now.evaluation_rms, other.evaluation_rms, strict=True)
-        text = "; ".join(f"{joint}: error {b:.3g} before, {a:.3g} {self.unit} after" for joint, b, a in pairs)
+        text = "; ".join(f"{joint}: error {digits(b)} before, {digits(a)} {self.unit} after" for joint, b, a in pairs)
         kind = "unseen motion" if held_out else "the fitted motion"
         figure = torques_over_time({"before": self.now, "after": other})
         return f"Measured, before and after, on {kind}", text, figure
@@ -135,7 +136,7 @@ class Comparison(Reported):
                 "recording": {name: at.recording == k for k, name in enumerate(names)},
             }.get(entry.split, {})
             unit = self.now.model.joints[self.joints.index(entry.joint)].unit("tau")
-            picture = against(entry.joint, words, at.x, at.y, at.block, groups, unit)
+            picture = against(entry.joint, words, at.x, at.y, at.block, groups, self.joints, unit)
             out.append((f"{entry.joint}: error against {words[0]}", entry.sentence, picture))
         return out
 
@@ -155,7 +156,7 @@ class Comparison(Reported):
         shown = self.rms if self.verify_rms is None else self.verify_rms
         kind = "fitted motion (nothing is held out)" if self.verify_rms is None else "unseen motion"
         numbers = ", ".join(
-            f"{joint} {e:.3g} of {s:.3g} {self.unit} (noise floor {n:.2g})"
+            f"{joint} {digits(e)} of {digits(s)} {self.unit} (noise floor {n:.2g})"
             for joint, e, s, n in zip(self.joints, shown, self.signal_rms, self.noise_floor, strict=True)
         )
         doubts = [f"  {finding}" for finding in self.misread]

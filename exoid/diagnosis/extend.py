@@ -31,7 +31,7 @@ from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import JOINTS
-from exoid.symbolic.wording import added_said
+from exoid.symbolic.wording import added_said, title_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -119,9 +119,10 @@ class Addition(Reported):
 
     def material(self) -> Material:
         """Material that the report draws on, the recordings apart."""
+        added = self.model.terms[-1]
         return Material(
-            title=f"Adding {self.model.terms[-1].name}", answer=self.sentence, model=self.model, fit=self.after,
-            fall=self.waterfall, pictures=pictures_of(self),
+            title=f"{title_of(added.effect, added.joint)}, added", answer=self.sentence, model=self.model,
+            fit=self.after, fall=self.waterfall, pictures=pictures_of(self),
         )  # fmt: skip
 
     def __repr__(self) -> str:

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from exoid.ground.figures import (
     FAINT,
     INK,
-    JOINT_MARKERS,
     OKABE_ITO,
     PAPER,
     ROLE_COLOURS,
@@ -33,7 +32,8 @@ SECONDS_SHOWN = 15.0
 BINS = 24
 LEAST_IN_BIN = 12
 
-LEFT_OVER = "left over"
+BEFORE: Mapping[str, Any] = {"color": FAINT, "linestyle": (0, (3, 1.5)), "linewidth": 1.1}
+"""Look of the model before something was added, beside the one after."""
 Groups = Mapping[str, NDArray[np.bool_]]
 """Which samples belong together, by name."""
 Quantity = tuple[str, str]
@@ -58,22 +58,32 @@ def falling_error(
         for spare in panels[len(joints) :]:
             spare.remove()
         place = np.arange(len(names), dtype=float)
-        for j, (joint, axes) in enumerate(zip(joints, panels, strict=False)):
+        for j, (joint, colour) in enumerate(joint_colours(joints).items()):
+            axes = panels[j]
             if unseen is not None:
-                axes.bar(place - 0.2, fitted[:, j], 0.36, color=ROLE_COLOURS["train"], label="fitted motion")
-                axes.bar(place + 0.2, unseen[:, j], 0.36, color=ROLE_COLOURS["verify"], label="unseen motion")
+                axes.bar(place - 0.2, fitted[:, j], 0.36, color=colour, alpha=0.45)
+                axes.bar(place + 0.2, unseen[:, j], 0.36, color=colour)
                 _numbers(axes, place + 0.2, unseen[:, j])
             else:
-                axes.bar(place, fitted[:, j], 0.5, color=ROLE_COLOURS["train"], label="fitted motion")
+                axes.bar(place, fitted[:, j], 0.5, color=colour)
                 _numbers(axes, place, fitted[:, j])
-            axes.axhline(noise_floor[j], color=ROLE_COLOURS["floor"], linestyle="--", label="noise floor")
+            axes.axhline(noise_floor[j], color=INK, linestyle="--", linewidth=1.0)
             axes.set_xticks(place, [fill(name, 20) for name in names], fontsize=8)
             axes.set(title=joint, ylabel=label("RMS error", unit))
             axes.margins(y=0.18)
             axes.grid(axis="x", visible=False)
-        handles, names = panels[0].get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside lower center", ncols=3)
+        figure.legend(handles=_key(unseen is not None), loc="outside lower center", ncols=3)
     return figure
+
+
+def _key(unseen: bool) -> list[Any]:
+    """Handles of a legend for bars of several colours: fitted motion is paler where there is unseen motion, too."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    bars = [Patch(color=FAINT, alpha=0.45 if unseen else 1.0, label="fitted motion")]
+    bars += [Patch(color=FAINT, label="unseen motion")] * unseen
+    return [*bars, Line2D([], [], color=INK, linestyle="--", linewidth=1.0, label="noise floor")]
 
 
 def _numbers(axes: Any, place: Float, values: Float) -> None:
@@ -93,27 +103,23 @@ def over_time(
     """
     t = t - t[0]
     shown = t <= SECONDS_SHOWN
-    colours = [ROLE_COLOURS["model"]] if len(models) == 1 else [ROLE_COLOURS["residual"], ROLE_COLOURS["model"]]
+    after = {"color": ROLE_COLOURS["after"]}
+    looks = [BEFORE, after] if len(models) > 1 else [{"color": ROLE_COLOURS["model"]}]
     with figure_style():
         figure = new_figure(8.0, 2.6 * max(2, len(joints)))
-        panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 1] * len(joints))
+        panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 3] * len(joints))
         for j, joint in enumerate(joints):
             upper, lower = panels[2 * j], panels[2 * j + 1]
             upper.plot(t[shown], measured[shown, j], color=ROLE_COLOURS["measured"], label="measured", linewidth=2.2)
-            for colour, (model, (torque, residual)) in zip(colours, models.items(), strict=True):
-                upper.plot(t[shown], torque[shown, j], color=colour, label=model)
-                alone = len(models) == 1
-                lower.plot(t[shown], residual[shown, j], color=ROLE_COLOURS["residual"] if alone else colour,
-                           label=LEFT_OVER)  # fmt: skip
+            for look, (model, (torque, residual)) in zip(looks, models.items(), strict=True):
+                upper.plot(t[shown], torque[shown, j], label=model, **look)
+                lower.plot(t[shown], residual[shown, j], **look)
             lower.axhline(0.0, color=FAINT, linewidth=0.7)
             unit = joint.unit("tau")
             upper.set(title=f"{joint.name}, {name}", ylabel=label("torque" if joint.turns else "force", unit))
             lower.set(ylabel=label("error", unit))
         panels[-1].set(xlabel=label("time", "s"))
-        handles, words = panels[0].get_legend_handles_labels()
-        if len(models) == 1:
-            handles, words = [*handles, panels[1].lines[0]], [*words, LEFT_OVER]
-        figure.legend(handles, words, loc="outside lower center", ncols=3)
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
@@ -124,14 +130,15 @@ def against(
     y: Float,
     block: NDArray[np.int64],
     groups: Groups | None = None,
+    joints: Sequence[str] = JOINTS,
     unit: str = "N·m",
 ) -> Figure:
-    """Draw the residual `y` (K,) in `unit` of `joint` against a variable `x` (K,), with binned means and 95 % bands.
+    """Draw the residual `y` (K,) in `unit` of one of the `joints` over a variable `x` (K,), with means and 95 % bands.
 
     `block` (K,) says which stretch of time a sample belongs to: the band comes from the scatter of the stretches'
     means, since neighbouring samples are no independent evidence. `groups` (masks (K,) by name) are drawn apart.
     """
-    whole = joint_colours((joint,))[joint]
+    whole = joint_colours(joints)[joint]
     drawn = [("", np.ones(len(x), dtype=bool), whole, INK)]
     if groups:
         drawn = [(n, m, c, c) for (n, m), c in zip(groups.items(), itertools.cycle(OKABE_ITO.values()), strict=False)]
@@ -143,7 +150,7 @@ def against(
             axes.plot(x[mask][::step], y[mask][::step], ".", color=points, markersize=2, alpha=0.25, rasterized=True)
             centre, mean, half = _binned(x[mask], y[mask], block[mask])
             axes.errorbar(
-                centre, mean, half, color=line, marker=JOINT_MARKERS.get(joint, "D"), markersize=3.5, linewidth=1.2,
+                centre, mean, half, color=line, marker="o", markersize=3.5, linewidth=1.2,
                 label=name or "mean in a bin, 95 % over recordings' blocks",
             )  # fmt: skip
         low, high = np.quantile(y, (0.002, 0.998))
@@ -171,13 +178,20 @@ def _binned(x: Float, y: Float, block: NDArray[np.int64]) -> tuple[Float, Float,
 
 
 def curve(
-    joint: str, variable: Quantity, x: Float, y: Float, band: Float, factor: str = "", unit: str = "N·m"
+    joint: str,
+    variable: Quantity,
+    x: Float,
+    y: Float,
+    band: Float,
+    factor: str = "",
+    joints: Sequence[str] = JOINTS,
+    unit: str = "N·m",
 ) -> Figure:
     """Draw a learnt curve `y` (M,) in `unit` over `x` (M,) with its `band` (M,), times `factor` (in words)."""
     with figure_style():
         figure = new_figure(5.6, 3.4)
         axes = figure.subplots()
-        colour = joint_colours((joint,))[joint]
+        colour = joint_colours(joints)[joint]
         axes.fill_between(x, y - band, y + band, color=colour, alpha=0.25, label="95 % band")
         axes.plot(x, y, color=colour, label="learnt curve")
         axes.axhline(0.0, color=FAINT, linewidth=0.7)
@@ -186,15 +200,15 @@ def curve(
     return figure
 
 
-def suspects(bars: Sequence[Bar], most: int = 10) -> Figure:
+def suspects(bars: Sequence[Bar], joints: Sequence[str] = JOINTS, most: int = 10) -> Figure:
     """Draw how much of the unseen error each suspect explains, best first; those of which one is sure are filled."""
     rows = [bar for bar in bars if bar[2] > 0.0][:most][::-1]
     with figure_style():
         figure = new_figure(6.4, 0.8 + 0.3 * max(1, len(rows)))
         axes = figure.subplots()
-        colours = joint_colours(sorted({joint for _, joint, _, _ in rows if joint}))
+        colours = joint_colours(joints)
         for place, (_, joint, share, sure) in enumerate(rows):
-            colour = colours.get(joint or "", ROLE_COLOURS["floor"])
+            colour = colours.get(joint or "", FAINT)
             axes.barh(place, 100 * share, color=colour if sure else "none", edgecolor=colour)
         axes.set_yticks(range(len(rows)), [name for name, *_ in rows], fontsize=8)
         axes.set(
@@ -221,19 +235,19 @@ def over_the_stride(
     x = 100.0 * phase
     with figure_style():
         figure = new_figure(8.0, 2.6 * max(2, len(joints)))
-        panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 1] * len(joints))
+        panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 3] * len(joints))
         for j, joint in enumerate(joints):
             upper, lower = panels[2 * j], panels[2 * j + 1]
             lines = (
                 (upper, measured, measured_band, "measured", "measured, from stride to stride"),
-                (upper, model, None, "model", ""),
-                (lower, error, error_band, "residual", ""),
+                (upper, model, None, "model", "model"),
+                (lower, error, error_band, "model", ""),
             )
             for axes, y, band, role, words in lines:
                 colour = ROLE_COLOURS[role]
                 if band is not None:
                     axes.fill_between(x, y[j] - band[j], y[j] + band[j], color=colour, alpha=0.25, linewidth=0.0)
-                axes.plot(x, y[j], color=colour, label=words or ("model" if role == "model" else LEFT_OVER))
+                axes.plot(x, y[j], color=colour, label=words)
             lower.axhline(0.0, color=FAINT, linewidth=0.7)
             if np.isfinite(stance):
                 for axes in (upper, lower):
@@ -243,7 +257,5 @@ def over_the_stride(
             lower.set(ylabel=label("error", unit))
         known = ", on the ground up to the broken line" if np.isfinite(stance) else ""
         panels[-1].set(xlabel=label(f"stride{known}", "%"))
-        pairs = zip(*(panel.get_legend_handles_labels() for panel in panels[:2]), strict=True)
-        handles, named = ([*above, *below] for above, below in pairs)
-        figure.legend(handles, named, loc="outside lower center", ncols=3)
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -27,13 +27,14 @@ from exoid.diagnosis.torques import torques_over_time
 from exoid.ground.frames import pandas
 from exoid.ground.html import Bar, bullets, fold, lines, picture, table
 from exoid.ground.plain import AsJson, by_name
+from exoid.ground.text import digits
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import ThighLength
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import JOINTS, Estimate
-from exoid.symbolic.wording import added_said, called, number_of
+from exoid.symbolic.wording import added_said, called, number_of, the_joint
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -278,8 +279,9 @@ class Diagnosis(Reported):
     def more_missing(self) -> str:
         """Error beside what was accepted, in words: where, and how many times the noise; "" for none."""
         if self.error is not None:
-            return f"the {self.error.joint} keeps {self.error.beside}"
-        return "" if self.unexplained is None else f"the {self.unexplained.joint} keeps what no known effect explains"
+            return f"{the_joint(self.error.joint)} keeps {self.error.beside}"
+        left = self.unexplained
+        return "" if left is None else f"{the_joint(left.joint)} keeps what no known effect explains"
 
     @property
     def headline(self) -> str:
@@ -299,7 +301,7 @@ class Diagnosis(Reported):
     @property
     def further(self) -> str:
         """Rest of the sentence, beyond the headline."""
-        return self.sentence.removeprefix(f"Missing: {self._named}. ")
+        return self.sentence.removeprefix(f"Missing: {self._named}. ").removeprefix("Check the channels. ")
 
     @property
     def _told_apart(self) -> tuple[list[Accepted], list[Accepted]]:
@@ -353,7 +355,7 @@ class Diagnosis(Reported):
         if first.verify_rms is not None and last.verify_rms is not None:
             kind, before, after = "unseen", first.verify_rms, last.verify_rms
         changes = zip(self.joints, before, after, strict=True)
-        text = "; ".join(f"{joint}: {kind} error from {b:.3g} to {a:.3g} {self.unit}" for joint, b, a in changes)
+        text = "; ".join(f"{j}: {kind} error from {digits(b)} to {digits(a)} {self.unit}" for j, b, a in changes)
         out = [("The error falling", text, self.plot())]
         if self.suspects:
             best = ", ".join(self.called(s.name) for s in self.suspects[:3])
@@ -361,7 +363,7 @@ class Diagnosis(Reported):
             bars = [
                 (self.called(s.name), s.joint, s.explained_share, s.sureness in (VERY, FAIRLY)) for s in self.suspects
             ]
-            out.append(("Suspects", alt, suspects(bars)))
+            out.append(("Suspects", alt, suspects(bars, self.joints)))
         if self.unexplained is not None:
             out.append(("What nobody explains", self.unexplained.sentence, self.unexplained.plot()))
         return out
@@ -371,15 +373,19 @@ class Diagnosis(Reported):
         if first is None and self.given is not None:
             first = compare_prepared(self.given.fit, self.given.prepared)
         changed = first is not None and len(self.steps) > 1
-        falls = before_and_after(first, self.fit) if changed else ()
+        seen = pictures_of(first, section="where")
+        if changed:
+            top = before_and_after(first, self.fit)
+        else:  # then the answer stands above measured and modelled torque
+            top, seen = tuple(replace(picture, section="verdict") for picture in seen[:1]), seen[1:]
         return Material(
             title="What the model was missing", model=self.model, fit=self.fit, comparison=first, diagnosis=self,
-            fall=self, pictures=falls + pictures_of(self, section="suspects") + pictures_of(first, section="where"),
+            fall=self, pictures=top + pictures_of(self, section="suspects") + seen,
             settings={"filter": self.cutoff} if self.cutoff else {}, seconds=self.seconds,
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        lines = [f"{self.verdict}: {self.headline}", f"  {self.further}", f"  why: {self.rule}"]
+        lines = [f"{self.verdict}: {self.headline.removeprefix('Found: ')}", f"  {self.further}", f"  why: {self.rule}"]
         names = [added_said(step.label) for step in self.steps]
         for step, name in zip(self.steps, names, strict=True):
             numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))

@@ -18,6 +18,7 @@ from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.swinging import Swing, swinging
 from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.text import digits
 from exoid.ground.ties import index_of_greatest, least_of
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
@@ -27,7 +28,7 @@ from exoid.symbolic.joints import Joint
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.term import Term
-from exoid.symbolic.wording import called, number_called, number_said, title_of
+from exoid.symbolic.wording import called, number_called, number_said, the_joint, title_of
 
 if TYPE_CHECKING:
     from exoid.diagnosis.evidence.fitted import FittedModel
@@ -217,8 +218,9 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     names = [name for name, rms in last.per_recording if rms[j] > rules.near_noise * floor[j]]
     unit = last.model.joints[j].unit("tau")
     return (
-        f"the {last.model.joint_names[j]} keeps {last.train_rms[j]:.3g} {unit} on fitted motion ({', '.join(names)}), "
-        f"{times[j]:.2g} times the noise, and {last.evaluation_rms[j]:.3g} {unit} on unseen motion"
+        f"{the_joint(last.model.joint_names[j])} keeps {digits(last.train_rms[j])} {unit} on fitted motion "
+        f"({', '.join(names)}), {digits(times[j], 2)} times the noise, "
+        f"and {digits(last.evaluation_rms[j])} {unit} on unseen motion"
     )
 
 
@@ -317,7 +319,7 @@ def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
 
 def _size(error: ModelError | None) -> str:
     """Error that is left beside the structure that was found, in words; "" without one."""
-    return "" if error is None else f"; the error of the {error.joint} is {error.beside}"
+    return "" if error is None else f"; the error of {the_joint(error.joint)} is {error.beside}"
 
 
 def check_channels(misread: Sequence[Finding]) -> Conclusion:
@@ -355,7 +357,7 @@ def _deciding(alike: Sequence[Accepted], find: Callable[[str], Effect] = find_ef
             parts.append(f"exoid design --separate {','.join([item.name, *apart[:2]])} finds the motion that decides")
         known = every_effect().get(item.effect)
         if known is not None and known.tells_apart:
-            parts.append(known.tells_apart)
+            parts.append(known.tells_apart.rstrip("."))
     return "; ".join(dict.fromkeys(parts))
 
 
@@ -366,7 +368,7 @@ def _falls(first: FittedModel, last: FittedModel) -> str:
 
 def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
     falls = zip(joints, before, after, strict=True)
-    return ", ".join(f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}" for joint, b, a in falls)
+    return ", ".join(f"{joint.name} {digits(b)} to {digits(a)} {joint.unit('tau')}" for joint, b, a in falls)
 
 
 def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:

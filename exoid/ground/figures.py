@@ -3,7 +3,7 @@
     with figure_style():
         figure = new_figure(width=7, height=4)
         axes = figure.subplots()
-        axes.plot(t, tau, color=JOINT_COLOURS["hip"])
+        axes.plot(t, tau, color=joint_colours(["hip", "knee"])["hip"])
         axes.set(xlabel=label("time", "s"), ylabel=label("torque", "N·m"))
 
 Colours: Okabe and Ito, "Color Universal Design", 2008. A figure is a plain `matplotlib.figure.Figure` that
@@ -18,6 +18,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
+from itertools import cycle
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -41,35 +42,37 @@ OKABE_ITO: Mapping[str, str] = MappingProxyType(
 INK, FAINT, GRID, PAPER = "#1c2128", "#6a737d", "#d8dee4", "#ffffff"
 """Text and axes, second-rate text, grid lines, background. A report in dark mode exchanges exactly these."""
 
-JOINT_COLOURS: Mapping[str, str] = MappingProxyType({"hip": OKABE_ITO["blue"], "knee": OKABE_ITO["vermilion"]})
-"""The hip is blue and the knee vermilion in every figure."""
+JOINT_COLOURS = (
+    ("#6b4fa0", "#b8a1e6"), ("#b04c00", "#f08c4a"), ("#9a4f7f", "#e29cc4"),
+    ("#7a5200", "#e3b341"), ("#2f6f7e", "#7fc4d4"), ("#5b6472", "#aab4c0"),
+)  # fmt: skip
+"""Colours of the first, second, ... joint of a machine, each in light and in dark mode; the seventh has the first."""
 
 LINE_STYLES = ("-", "--", "-.", ":")
 """Of the first, second, ... joint, for black-and-white prints."""
 
 
 def joint_colours(joints: Sequence[str]) -> dict[str, str]:
-    """Return {joint: colour}: blue and vermilion for hip and knee, the others in turn."""
-    taken = {JOINT_COLOURS[joint] for joint in joints if joint in JOINT_COLOURS}
-    free = [colour for colour in OKABE_ITO.values() if colour not in taken]
-    others = [joint for joint in joints if joint not in JOINT_COLOURS]
-    return {joint: JOINT_COLOURS.get(joint) or free[others.index(joint) % len(free)] for joint in joints}
+    """Colour of each joint of a machine by its name."""
+    return {joint: light for joint, (light, _) in zip(joints, cycle(JOINT_COLOURS), strict=False)}
 
 
-JOINT_MARKERS: Mapping[str, str] = MappingProxyType({"hip": "o", "knee": "s"})
-"""A second sign beside the colour, for black-and-white prints."""
-
-ROLE_COLOURS: Mapping[str, str] = MappingProxyType(
-    {
-        "measured": FAINT,
-        "model": OKABE_ITO["blue"],
-        "residual": OKABE_ITO["vermilion"],
-        "floor": OKABE_ITO["green"],
-        "train": OKABE_ITO["sky"],
-        "verify": OKABE_ITO["purple"],
-    }
+ROLES: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {"measured": (FAINT, "#9da7b3"), "model": ("#0072b2", "#4aa3df"), "after": ("#00724f", "#3fb98b")}
 )
-"""What a line is -> its colour, where a figure shows one joint only."""
+"""What a line is -> its colour in light and in dark mode. The error has the colour of the model that makes it."""
+
+ROLE_COLOURS: Mapping[str, str] = MappingProxyType({role: light for role, (light, _) in ROLES.items()})
+
+
+def colour_rules() -> str:
+    """CSS with the colours of roles (`--model`) and joints (`.joint-0`), light and dark, for every page."""
+    named = {**ROLES, **{f"j{j}": pair for j, pair in enumerate(JOINT_COLOURS)}}
+    light, dark = ("".join(f"--{name}:{pair[mode]};" for name, pair in named.items()) for mode in (0, 1))
+    count = len(JOINT_COLOURS)
+    joints = "".join(f".joint-{j}{{--joint:var(--j{j % count})}}" for j in range(2 * count))
+    screen = "@media screen and (prefers-color-scheme:dark)"
+    return f":root{{{light}--joint:var(--accent)}}\n{screen}{{:root{{{dark}}}}}\n{joints}\n"
 
 LARGEST_SVG = 700_000
 """Bytes. A figure with more points than that is embedded as PNG instead."""
@@ -191,14 +194,14 @@ def to_png(figure: Figure, dpi: int = 150) -> bytes:
     return buffer.getvalue()
 
 
-def to_data_uri(figure: Figure) -> str:
+def to_data_uri(figure: Figure, largest: int = LARGEST_SVG, dpi: int = 150) -> str:
     """Return `figure` as a data URI for an `<img>`: SVG that follows the reader's light or dark mode, or PNG
-    where the SVG would be heavy.
+    where the SVG would be larger than `largest`.
     """
     svg = adaptive(_light(to_svg(figure)))
-    if len(svg) <= LARGEST_SVG:
+    if len(svg) <= largest:
         return SVG_URI + quote(svg, safe=PLAIN)  # a quarter less than in base64
-    return png_uri(to_png(figure))
+    return png_uri(to_png(figure, dpi))
 
 
 def png_uri(png: bytes) -> str:
@@ -239,7 +242,8 @@ DARK: Mapping[str, str] = MappingProxyType(
         FAINT: "#9da7b3",
         GRID: "#30363d",
         PAPER: "#161b22",
-        OKABE_ITO["blue"]: "#4aa3df",
+        **dict(ROLES.values()),
+        **dict(JOINT_COLOURS),
     }
 )
 """Colour in light mode -> the same colour in dark mode, where the contrast would suffer."""

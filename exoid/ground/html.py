@@ -17,6 +17,9 @@ from exoid.ground.figures import to_data_uri
 BAR = "rgba(86, 180, 233, 0.35)"
 """Sky blue through which text of any colour can be read."""
 
+LARGEST = 150_000
+"""Characters of a drawing in a notebook, which keeps every one; a larger one is there in pixels."""
+
 
 @dataclass(frozen=True)
 class Bar:
@@ -28,7 +31,7 @@ class Bar:
 
 def picture(figure: Any, alt: str) -> str:
     """Return a matplotlib figure that follows the reader's light or dark mode; a heavy one stays light."""
-    uri = to_data_uri(figure)
+    uri = to_data_uri(figure, LARGEST, dpi=90)
     return f"<p><img src='{uri}' alt='{html.escape(alt, quote=True)}' style='max-width:100%;height:auto'></p>"
 
 

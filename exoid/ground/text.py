@@ -26,6 +26,11 @@ def printable(text: str) -> str:
     return "".join(c if keep else ascii(c)[1:-1] for c, keep in zip(text, seen, strict=True))
 
 
+def digits(value: float, count: int = 3) -> str:
+    """A number with `count` significant digits; without an exponent below a million (1230, not 1.23e+03)."""
+    return f"{float(f'{value:.{count}g}'):g}"
+
+
 def in_comment(text: str) -> str:
     """Return `text` as one line that cannot end a comment or a docstring of C, Python or XML.
 

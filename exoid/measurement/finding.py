@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -56,6 +59,27 @@ class Finding(AsJson):
         told = super()._json()
         del told["option"]  # the remedy says it
         return {**told, "repaired": self.repaired}
+
+
+def alike_findings(findings: Iterable[Finding]) -> list[list[Finding]]:
+    """The findings in groups of those that say the same but for their numbers."""
+    groups: dict[tuple[str, str, str], list[Finding]] = {}
+    for item in findings:
+        groups.setdefault((item.severity, item.check, re.sub(r"\d[\d.,]*", "#", item.what)), []).append(item)
+    return list(groups.values())
+
+
+def file_of(finding: Finding) -> str:
+    """Name of the file that a finding is about."""
+    return PurePath(finding.where.partition(",")[0]).name
+
+
+def more_files(others: Sequence[Finding]) -> str:
+    """Words for the files of findings that are told with the first of their kind: ", alike in 5 more files"."""
+    names = list(dict.fromkeys(map(file_of, others)))
+    if not names:
+        return ""
+    return f", alike in {names[0]}" if len(names) == 1 else f", alike in {len(names)} more files"
 
 
 def row_ranges(rows: NDArray[np.integer[Any]], most: int = 4) -> str:

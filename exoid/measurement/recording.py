@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from exoid.ground.errors import RecordingError, refused
 from exoid.ground.files import write_whole
 from exoid.ground.frames import pandas
-from exoid.ground.html import bullets, lines, table
+from exoid.ground.html import bullets, lines, picture, table
 from exoid.measurement.finding import Finding
 from exoid.measurement.logged import Logged
 from exoid.measurement.plots import angles_and_torques
@@ -270,7 +270,8 @@ class Recording:
         masked = len(self) - int(self.complete.sum())
         facts = (len(self), self.duration, self.rate, masked, self.source.sha256[:12] or "–")
         head = ("samples", "seconds", "Hz", "masked rows", "SHA-256")
-        return lines(strong=self.name) + table(head, [facts]) + bullets(self.findings)
+        drawn = picture(self.plot(), f"Angles and torques of {self.name} over time")
+        return lines(strong=self.name) + table(head, [facts]) + bullets(self.findings) + drawn
 
     def __repr__(self) -> str:
         masked = len(self) - int(self.complete.sum())

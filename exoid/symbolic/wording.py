@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 
 from exoid.ground.errors import EffectError
+from exoid.ground.text import digits
 from exoid.symbolic.effect import Coefficient, Effect, Shape
 from exoid.symbolic.effect_catalogue import find_effect
 
@@ -16,7 +17,12 @@ CHOICE = re.compile(r"([+-]?\d+(?:\.\d+)?): ([^,;]+)")
 def title_of(effect: Effect, joint: str | None = None) -> str:
     """Return "Stribeck friction at the knee", without a place for an effect on all joints."""
     title = effect.title or effect.id.replace("_", " ")
-    return f"{title} at the {joint}" if joint else title
+    return f"{title} at {the_joint(joint)}" if joint else title
+
+
+def the_joint(name: str) -> str:
+    """The name of a joint in a sentence: "the knee", but "joint_3"."""
+    return name if re.search(r"[\d_]", name) else f"the {name}"
 
 
 def called(name: str, find: Callable[[str], Effect] = find_effect) -> str:
@@ -59,7 +65,7 @@ def number_said(effect: Effect, key: str, value: float, unit: str, half: float |
             if float(number) == round(value, 6):
                 return str(words).strip()
     spread = f" ± {half:.2g}" if half else ""
-    return f"{number_called(effect, key)} {value:.3g}{spread}{'' if unit in ('1', '') else f' {unit}'}"
+    return f"{number_called(effect, key)} {digits(value)}{spread}{'' if unit in ('1', '') else f' {unit}'}"
 
 
 def _entry(effect: Effect, key: str) -> Coefficient | Shape | None:
@@ -68,4 +74,4 @@ def _entry(effect: Effect, key: str) -> Coefficient | Shape | None:
 
 def per_joint(values: Iterable[float], joints: Sequence[str], unit: str = "N·m") -> str:
     """Return "hip 0.71, knee 0.53 N·m"."""
-    return ", ".join(f"{joint} {value:.3g}" for joint, value in zip(joints, values, strict=True)) + f" {unit}"
+    return ", ".join(f"{joint} {digits(value)}" for joint, value in zip(joints, values, strict=True)) + f" {unit}"

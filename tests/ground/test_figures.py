@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import matplotlib as mpl
 
-from exoid.ground.figures import figure_style, new_figure, plain_power, to_svg
+from exoid.ground.figures import (
+    JOINT_COLOURS,
+    ROLE_COLOURS,
+    colour_rules,
+    figure_style,
+    joint_colours,
+    new_figure,
+    plain_power,
+    to_svg,
+)
 
 
 def drawn() -> str:
@@ -35,3 +44,11 @@ def test_powers_on_a_logarithmic_axis_are_text_and_names_are_not_parsed():
     shown = [tick.get_text() for tick in axes.get_yticklabels()]
     assert "10⁻⁵" in shown and not any("$" in text for text in shown)
     assert plain_power(r"$\mathdefault{2\times10^{-3}}$") == "2·10⁻³" and plain_power("$x.csv") == "$x.csv"
+
+
+def test_pages_and_figures_have_their_colours_from_one_place():
+    rules = colour_rules()
+    for j, colour in enumerate(joint_colours(["hip", "knee", "ankle"]).values()):
+        assert f"--j{j}:{colour};" in rules and f".joint-{j}{{--joint:var(--j{j})}}" in rules
+    assert f"--model:{ROLE_COLOURS['model']};" in rules and f"--after:{ROLE_COLOURS['after']};" in rules
+    assert not set(ROLE_COLOURS.values()) & {light for light, _ in JOINT_COLOURS}

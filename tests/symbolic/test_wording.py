@@ -7,6 +7,7 @@ from exoid.symbolic.wording import called, number_called, number_said, title_of
 
 def test_titles_have_their_place():
     assert called("end_stop:hip") == "End stop at the hip"
+    assert title_of(find_effect("stribeck"), "joint_3") == "Stribeck friction at joint_3"
     assert called("gravity_tilt") == title_of(find_effect("gravity_tilt")) == "Tilted frame"
     assert called("a filter on the torque") == "a filter on the torque"
     own = Effect("magnet_brake", torque="c * dtheta", coefficients={"c": Coefficient("N·m·s/rad")})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from exoid.workbench.command import BAD_INPUT, GROUPS, find_verbs, load_verb, main, verb_parser
+from exoid.workbench.commands.demo import DATA
 
 HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py")
 ROOT = Path(__file__).parents[2]
@@ -199,3 +201,13 @@ def test_json_says_the_same_without_greek(capsys):
 def test_everything_a_pipe_gets_fits_80_columns():
     for arguments in ([], ["effects"], ["effects", "stribeck"]):
         assert max(len(line) for line in without_greek(*arguments, COLUMNS="").splitlines()) <= 80
+
+
+def test_a_file_of_a_folder_that_verify_names_is_held_out(tmp_path, capsys):
+    for file in DATA.glob("*.csv"):
+        shutil.copy(file, tmp_path)
+    assert main(["compare", str(tmp_path), "--verify", str(tmp_path / "verify.csv"), "--json", "-", "--quiet"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["verify_rms"] is not None
+    assert main(["compare", str(tmp_path), "--verify", str(tmp_path), "--quiet"]) == BAD_INPUT
+    assert "both fitted" in capsys.readouterr().err

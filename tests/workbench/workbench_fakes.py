@@ -11,7 +11,7 @@ import numpy as np
 from exoid.diagnosis.comparison import Comparison
 from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.results import Diagnosis, Step
-from exoid.ground.figures import JOINT_COLOURS, figure_style, label, new_figure
+from exoid.ground.figures import figure_style, joint_colours, label, new_figure
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording, Source
 from exoid.symbolic.joints import LEG
@@ -38,8 +38,9 @@ def figure(points: int = 200) -> Any:
     with figure_style():
         drawn = new_figure(7, 3.6)
         axes = drawn.subplots()
-        axes.plot(t, np.sin(2 * t), color=JOINT_COLOURS["hip"], label="hip")
-        axes.plot(t, np.cos(3 * t), color=JOINT_COLOURS["knee"], label="knee")
+        colours = joint_colours(["hip", "knee"])
+        axes.plot(t, np.sin(2 * t), color=colours["hip"], label="hip")
+        axes.plot(t, np.cos(3 * t), color=colours["knee"], label="knee")
         axes.set(xlabel=label("time", "s"), ylabel=label("residual", "N·m"), title="Residual over time")
         axes.legend()
     return drawn

@@ -35,15 +35,14 @@ def render_campaign(
     """Return the page as HTML text; text from files is data in it, never markup."""
     from markupsafe import Markup
 
-    from exoid.diagnosis.report.page import FOLDER as REPORT
-    from exoid.diagnosis.report.page import environment
+    from exoid.diagnosis.report.page import environment, report_style
 
     # Embedded as JSON in which nothing can end the script element; the page sets it as text.
     content = json.dumps(data(plan, rows, events, running=running), ensure_ascii=False).replace("<", "\\u003c")
     template = environment().from_string((FOLDER / "page.html").read_text("utf-8"))
     return template.render(
         title=plan.name, refresh=SECONDS if running else 0, data=Markup(content),
-        style=Markup((REPORT / "page.css").read_text("utf-8") + (FOLDER / "page.css").read_text("utf-8")),
+        style=Markup(report_style() + (FOLDER / "page.css").read_text("utf-8")),
         script=Markup((FOLDER / "page.js").read_text("utf-8")),
     )  # fmt: skip
 

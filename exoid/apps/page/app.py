@@ -21,7 +21,7 @@ from exoid.apps.page.given import FIT, shown_name
 from exoid.apps.page.guard import Guard
 from exoid.apps.page.message import LONGEST, RELOAD, obey, read_message
 from exoid.apps.page.reply import number_in
-from exoid.diagnosis.report import page as report
+from exoid.diagnosis.report.page import report_style
 from exoid.ground.errors import ExoidError, RecordingError, error_json, internal
 from exoid.ground.files import MODEL_FILES
 from exoid.ground.folder import with_apps
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from exoid.apps.page.workspace import Workspace
 
 STATIC = Path(__file__).parent / "static"
-REPORT_STYLE = report.FOLDER / "page.css"
 DRAWN = "export function draw("
 """How the script of a panel begins to draw it."""
 BEAT = 10.0
@@ -48,7 +47,7 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
 
     routes = [
         Route("/", lambda request: FileResponse(STATIC / "index.html")),
-        Route("/report.css", lambda request: FileResponse(REPORT_STYLE)),
+        Route("/report.css", lambda request: Response(report_style(), media_type="text/css")),
         Route("/api/events", partial(_events, workspace)),
         Route("/panels.js", _scripts),
         Route("/api/state", lambda request: JSONResponse(views.state(workspace))),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from exoid.apps.page.given import FIT, VERIFY
 from exoid.ground.errors import ExoidError, RecordingError
 from exoid.ground.files import write_whole
+from exoid.ground.text import digits
 from exoid.measurement.signals.methods import BUTTERWORTH
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def report(workspace: Workspace) -> str:
     diagnosis = workspace.diagnoses.get(frozenset(names))
     now = session.fitted(names)
     rms = ", ".join(
-        f"{joint.name} {error:.3g} {joint.unit('tau')}"
+        f"{joint.name} {digits(error)} {joint.unit('tau')}"
         for joint, error in zip(session.model.joints, now.evaluation_rms, strict=True)
     )
     kind = "motion the fit has not seen" if session.prepared.verify else "the fitted motion"

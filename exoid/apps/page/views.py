@@ -18,14 +18,14 @@ from exoid.diagnosis.write_up import best_first
 from exoid.ground.errors import error_json
 from exoid.ground.files import MODEL_FILES
 from exoid.ground.plain import plain_dict
-from exoid.ground.text import printable
+from exoid.ground.text import digits, printable
 from exoid.measurement.reading.among import left_out_said
 from exoid.measurement.reading.sources import suffixes
 from exoid.optimisation.linear.links import tree_of
 from exoid.symbolic.joints import HERE, Joint, parents
 from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from exoid.symbolic.mechanics.spatial import rotation
-from exoid.symbolic.wording import called, number_said, title_of
+from exoid.symbolic.wording import called, number_said, the_joint, title_of
 from exoid.workbench.exporting import formats
 
 if TYPE_CHECKING:
@@ -298,8 +298,8 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     worst = max(range(len(times)), key=times.__getitem__)
     joint = session.model.joints[worst]
     kind = "unseen" if session.prepared.verify else "fitted"
-    size = f"{error[worst]:.3g} {joint.unit('tau')} on {kind} motion, {times[worst]:.2g} times its noise"
-    text = f"Not judged yet: the error of the model at the {joint.name} is {size}."
+    size = f"{digits(error[worst])} {joint.unit('tau')} on {kind} motion, {digits(times[worst], 2)} times its noise"
+    text = f"The error of the model at {the_joint(joint.name)} is {size}."
     if not session.prepared.verify:
         text += f" {NOTHING_HELD_OUT}"
     return {"kind": "open", "sentence": text, "judged": False,
@@ -309,7 +309,7 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
 def _further(found: Mapping[str, Any]) -> str:
     """Return the sentence of an answer beyond its headline."""
     named = "; ".join(effect.get("sentence", "") for effect in found["accepted"])
-    return str(found["sentence"]).removeprefix(f"Missing: {named}. ")
+    return str(found["sentence"]).removeprefix(f"Missing: {named}. ").removeprefix("Check the channels. ")
 
 
 def _called(workspace: Workspace, one: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exoid.ground.figures import FAINT, GRID, INK, JOINT_COLOURS, OKABE_ITO, PAPER, figure_style, label, new_figure
+from exoid.ground.figures import FAINT, GRID, INK, OKABE_ITO, PAPER, figure_style, joint_colours, label, new_figure
 from exoid.symbolic.model_structure import Limits
 from exoid.symbolic.motion import Float
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 POSES = 14
 GREEN = OKABE_ITO["green"]
-HIP, KNEE = (JOINT_COLOURS[joint] for joint in ("hip", "knee"))
+LEG_COLOURS = joint_colours(["hip", "knee"])
+HIP, KNEE = LEG_COLOURS.values()
 
 
 def leg_figure(q: Float, lengths: tuple[float, float], limits: Sequence[Limits]) -> Figure:
@@ -148,7 +149,7 @@ def loop_figure(t: Float, wanted: Float, followed: Float) -> Figure:
             _arrow(above, BLOCKS[start], BLOCKS[stop], words)
         above.set(xlim=(-0.9, 12.3), ylim=(-2.0, 2.0))
         above.axis("off")
-        for j, (joint, colour) in enumerate(JOINT_COLOURS.items()):
+        for j, (joint, colour) in enumerate(LEG_COLOURS.items()):
             below.plot(t, wanted[:, j], color=FAINT, linewidth=3.0, alpha=0.6, label="asked for" if not j else None)
             below.plot(t, followed[:, j], color=colour, linestyle=("-", "--")[j], label=joint)
         below.set(xlabel=label("time", "s"), ylabel=label("angle", "rad"))

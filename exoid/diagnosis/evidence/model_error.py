@@ -12,9 +12,11 @@ from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.repeats import Repeats, repeats
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.plain import AsJson
+from exoid.ground.text import digits
 from exoid.ground.ties import index_of_greatest
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
+from exoid.symbolic.wording import the_joint
 
 UNKNOWN = "these torques were filtered before or computed, and hold no noise to compare it with"
 FUNCTION = "function of angle, velocity, acceleration, load or time that was tried"
@@ -73,11 +75,11 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
         )
     joint, kind = last.model.joint_names[j], "unseen" if last.verified else "fitted"
     unit = last.model.joints[j].unit("tau")
+    size = f"{the_joint(joint)} keeps {digits(error[j])} {unit} on {kind} motion"
     text = (
-        f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion, {times[j]:.2g} times the noise of {floor[j]:.2g} "
-        f"{unit}. It is not noise, and no {FUNCTION}"
+        f"{size}, {digits(times[j], 2)} times the noise of {floor[j]:.2g} {unit}. It is not noise, and no {FUNCTION}"
         if last.prepared.noise_is_known
-        else f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion ({UNKNOWN}). It is no {FUNCTION}"
+        else f"{size} ({UNKNOWN}). It is no {FUNCTION}"
     )
     if again is None:
         text += "; whether it repeats is not known, because no motion was recorded twice"
@@ -102,7 +104,8 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
         text += f". On fitted motion it is near the noise, and {little}: so few leave the numbers open"
         advice = "fit more motion and ask again: what is left may be no more than numbers that so little tells badly"
     elif last.verified and error[j] > rules.near_noise * last.train_rms[j]:
-        text += f". On fitted motion it keeps {last.train_rms[j]:.3g} {unit}: what this is, no fitted recording shows"
+        fitted = digits(last.train_rms[j])
+        text += f". On fitted motion it keeps {fitted} {unit}: what this is, no fitted recording shows"
         advice = (
             "fit a recording of the motion that is held out now and hold out another: an end stop or a load that no "
             "fitted recording meets cannot be named"
@@ -114,8 +117,8 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
 def compared(last: FittedModel, j: int, times: float, noise: str = "noise") -> str:
     """Size of the error at joint `j` beside the `noise`, in words; of torques that were filtered nobody knows it."""
     if last.prepared.noise_is_known:
-        return f"{times:.2g} times the {noise}"
-    return f"{last.evaluation_rms[j]:.3g} {last.model.joints[j].unit('tau')} ({UNKNOWN})"
+        return f"{digits(times, 2)} times the {noise}"
+    return f"{digits(last.evaluation_rms[j])} {last.model.joints[j].unit('tau')} ({UNKNOWN})"
 
 
 def beside_floor(last: FittedModel) -> str:
@@ -128,9 +131,9 @@ def beside_floor(last: FittedModel) -> str:
 def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelError:
     """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
     joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
-    beside = f", {times:.2g} times the noise of the sensors" if last.prepared.noise_is_known else f" ({UNKNOWN})"
+    beside = f", {digits(times, 2)} times the noise of the sensors" if last.prepared.noise_is_known else f" ({UNKNOWN})"
     text = (
-        f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}{beside}, "
+        f"{the_joint(joint)} keeps {digits(last.evaluation_rms[j])} {unit}{beside}, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion. "
         "Something acts that is not in the recordings: a person, the ground, or what changes from time to time"
     )

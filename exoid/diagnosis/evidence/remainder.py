@@ -20,9 +20,9 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import Gain
 from exoid.diagnosis.plots import curve
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.html import bullets, lines
+from exoid.ground.html import bullets, lines, picture
 from exoid.ground.ties import ascending, index_of_greatest
-from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.joints import LEG, Joint, names
 from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
@@ -82,11 +82,11 @@ class Remainder:
         unit = self.joints[self.index].unit("tau")
         words, own = variables(self.joints)[self.variable]
         variable = words, unit if self.variable == "load" else own
-        return curve(self.joint, variable, self.x, self.y, self.band, factor, unit)
+        return curve(self.joint, variable, self.x, self.y, self.band, factor, names(self.joints), unit)
 
     def _repr_html_(self) -> str:
         texts = [f"torque = {s.text} ({100 * s.share:.0f} % of the curve)" for s in self.suggestions]
-        return lines(strong=self.sentence) + bullets(texts)
+        return lines(strong=self.sentence) + picture(self.plot(), self.sentence) + bullets(texts)
 
 
 @dataclass(frozen=True)

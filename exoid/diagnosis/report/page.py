@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from exoid.diagnosis.report import sections
 from exoid.diagnosis.report.material import Material, Picture, without_folders
-from exoid.ground.figures import png_of_uri, to_uris
+from exoid.ground.figures import colour_rules, png_of_uri, to_uris
 from exoid.ground.folder import with_apps
 from exoid.ground.output import make_folder, write_bytes, write_text
 
@@ -60,12 +60,17 @@ def _page(material: Material, drawn: Mapping[Picture, tuple[str, str]]) -> str:
         shown = len(blocks) < (1 if material.diagnosis is not None else 2)
         appendix = getattr(section, "APPENDIX", False) and bool(blocks) and material.diagnosis is not None
         blocks.append(PageSection(name, section.TITLE, Markup(html), shown, appendix))  # escaped by its own template
-    # The two files below are ours and contain no text from outside.
-    style = Markup((FOLDER / "page.css").read_text("utf-8"))
+    # Style and script are ours and contain no text from outside.
+    style = Markup(report_style())
     script = Markup((FOLDER / "page.js").read_text("utf-8"))
     page = templates.get_template("page.html")
     blocks.sort(key=lambda block: block.appendix)
     return page.render(material=material, blocks=blocks, style=style, script=script)
+
+
+def report_style() -> str:
+    """CSS of the report, on which the pages of apps build."""
+    return colour_rules() + (FOLDER / "page.css").read_text("utf-8")
 
 
 def write_report(material: Material, folder: str | Path) -> Path:

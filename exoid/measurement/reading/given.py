@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
@@ -80,7 +81,19 @@ def question_of(
         raise RecordingError("there are no recordings", remedy=f"after the model, {TAKEN}")
     machine = model_of(Model.standard() if model is None else model)
     joints = machine_of(machine).joints
-    return machine, recordings_in(recordings, joints), recordings_in(verify, joints)
+    unseen = recordings_in(verify, joints)
+    return machine, _beside(recordings_in(recordings, joints), unseen, recordings), unseen
+
+
+def _beside(found: tuple[Recording, ...], unseen: tuple[Recording, ...], given: Any) -> tuple[Recording, ...]:
+    """The recordings `found` in what was `given`, without files of a folder or pattern that are held out."""
+    hidden = {os.path.realpath(item.source.path) for item in unseen if item.source.path}
+    parts = given if isinstance(given, (list, tuple)) else [given]
+    named = {os.path.realpath(part) for part in parts if isinstance(part, (str, Path))}
+    own = {id(part) for part in parts}
+    return tuple(
+        item for item in found if id(item) in own or os.path.realpath(item.source.path) not in hidden - named
+    ) or found  # fmt: skip
 
 
 def model_of(model: Asked) -> Asked:

@@ -258,7 +258,7 @@ def _check(path: Path) -> None:
             raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path))
         kind = path.stat()
     if stat.S_ISDIR(kind.st_mode) and not is_bag(path):
-        remedy = f"name one of its files, {path}/*.csv; read_recordings reads them all"
+        remedy = "name one of its files; compare, diagnose, discover and read_recordings take the whole folder"
         raise RecordingError("this is a folder, not a recording", where=str(path), remedy=remedy)
     if not (stat.S_ISREG(kind.st_mode) or is_bag(path)):
         raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")

@@ -52,7 +52,7 @@ def fit_figure(
 
 def _residual(joint: Joint, t: Float, torque: Float, residual: Float, delta: float, axes: Axes) -> None:
     axes.plot(t, torque, color=ROLE_COLOURS["measured"], linewidth=0.8, label="torque")
-    axes.plot(t, residual, color=ROLE_COLOURS["residual"], linewidth=0.8, label="residual")
+    axes.plot(t, residual, color=ROLE_COLOURS["model"], linewidth=0.8, label="residual")
     for border in (-delta, delta):
         axes.axhline(border, color=FAINT, linewidth=0.6, linestyle=":")
     rms = float(np.sqrt(np.mean(residual**2))) if len(residual) else 0.0

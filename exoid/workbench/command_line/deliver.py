@@ -45,11 +45,11 @@ def deliver_results(
 
 def settings_of(args: argparse.Namespace) -> dict[str, str]:
     """Return the settings of a command line as text, for the section that says how to repeat it."""
-    hidden = ("command_line", "quiet", "json", "out", "inputs", "recordings", "verify")
+    hidden = ("command_line", "quiet", "verbose", "json", "out", "inputs", "recordings", "verify")
     return {
         name.replace("_", " "): str(value)
         for name, value in sorted(vars(args).items())
-        if name not in hidden and value not in (None, [], "")
+        if name not in hidden and str(value) not in ("None", "[]", "", "False", "0.0")
     }
 
 

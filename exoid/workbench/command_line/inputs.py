@@ -121,6 +121,10 @@ def told_recordings(
     refuse_repeats(args.recordings, held_out)
     files_among([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
     given, unseen = files_among(args.recordings), files_among(held_out)
+    hidden = {os.path.realpath(path) for path in unseen.paths}
+    # Of a folder or pattern what --verify names is held out, and the rest is fitted.
+    fitted = tuple(path for path in given.paths if path in given.named or os.path.realpath(path) not in hidden)
+    given = replace(given, paths=fitted or given.paths)
     refuse_repeats(given.paths, unseen.paths)
     every = [*given.paths, *unseen.paths]
     loads = payloads(getattr(args, "payload", []), every)

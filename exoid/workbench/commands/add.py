@@ -69,5 +69,4 @@ def _show(screen: Screen, found: Any, target: str) -> None:
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
-    title = f"Adding {args.effect}"
-    return replace(found.material(), title=title, recordings=given.recordings, verify=given.verify)
+    return replace(found.material(), recordings=given.recordings, verify=given.verify)

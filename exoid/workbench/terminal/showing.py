@@ -10,7 +10,8 @@ from exoid.diagnosis.report.cells import error_sizes
 from exoid.diagnosis.report.material import NOTHING_HELD_OUT
 from exoid.diagnosis.report.sections.verdict import term
 from exoid.diagnosis.sureness import meanings_of
-from exoid.symbolic.wording import added_said
+from exoid.ground.text import digits
+from exoid.symbolic.wording import added_said, the_joint
 from exoid.workbench.terminal.screen import Screen, bar
 
 SPIKES = "torque_outliers"
@@ -68,6 +69,8 @@ def show_findings(screen: Screen, audit: Sequence[Any], misread: Sequence[Any] =
 
 def show_comparison(screen: Screen, found: Any) -> None:
     """Show how large the error is per joint, and where it sits."""
+    from exoid.diagnosis.report.sections.where import words as variable_words
+
     head, rows = error_sizes(found)
     shown = [[joint, *("" if x is None else number(x) for x in values)] for joint, *values in rows]
     screen.table("How large the error is (RMS)", head, shown)
@@ -83,9 +86,10 @@ def show_comparison(screen: Screen, found: Any) -> None:
             screen.say("The error depends on nothing that was looked at.")
         return
     places = [
-        (w.joint, w.variable, percent(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution)
+        (w.joint, variable_words(w.variable, found.joints), percent(w.share), w.sentence.removeprefix(f"{w.joint}: "),
+         w.caution)
         for w in found.where[:MOST_PLACES]
-    ]
+    ]  # fmt: skip
     screen.table("Where it sits", ("joint", "depends on", "share", "what that means", "caution"), places)
 
 
@@ -107,12 +111,14 @@ def show_differences(screen: Screen, found: Any) -> None:
     errors = zip(found.joints, found.units, found.rms_before, found.rms_after, found.rms_named, strict=True)
     for joint, unit, *values in errors:
         before, after, named = map(number, values)
-        screen.say(f"error of the {joint}: {before} {unit} before, {after} after, {named} with what is named")
+        screen.say(f"error of {the_joint(joint)}: {before} {unit} before, {after} after, {named} with what is named")
     show_findings(screen, found.audit)
 
 
 def show_diagnosis(screen: Screen, found: Any) -> None:
     """Show verdict, reason, what was accepted, the suspects and what to measure next."""
+    from exoid.diagnosis.report.sections.where import words as variable_words
+
     result = found.to_json()
     screen.say()
     screen.say(f"{found.headline}.", VERDICT_STYLES.get(found.verdict, "warn"))
@@ -142,7 +148,8 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
         screen.table("Suspects", head, rows, ". ".join(words) and f"{'. '.join(words)}.")
     left = result.get("unexplained") or {}
     if left.get("significant") and left["variables"]:
-        screen.say(f"left over: {left['joint']}, depends on {', '.join(left['variables'])}", "warn")
+        depends = ", ".join(f"the {variable_words(name, found.joints)}" for name in left["variables"])
+        screen.say(f"left over: {left['joint']}, depends on {depends}", "warn")
         for text in left.get("suggested_terms", ()):
             screen.say(f"  worth trying as an effect of your own: torque = {text!r}")
     if found.stopped_because:
@@ -158,18 +165,18 @@ def show_steps(screen: Screen, fall: Any) -> None:
         shown = [(added_said(step.label), float(step.evaluation_rms[j])) for step in fall.steps]
         longest = max((x for _, x in shown if math.isfinite(x)), default=0.0) or 1.0
         width = max(len(name) for name, _ in shown)
-        screen.say(f"error of the {joint}, {fall.steps[0].judged} motion [{fall.unit}]", "head")
+        screen.say(f"error of {the_joint(joint)}, {fall.steps[0].judged} motion [{fall.unit}]", "head")
         for name, x in shown:
             screen.say(f"  {name:<{width}}  {number(x):>7}  {bar(x / longest if math.isfinite(x) else 1.0)}")
         floor = float(fall.noise_floor[j])
         screen.say(f"  {'noise floor':<{width}}  {number(floor):>7}  {bar(floor / longest)}", "faint")
 
 
-def number(value: float | None, digits: int = 3) -> str:
-    """Return a number with `digits` significant digits, or a dash where there is none."""
+def number(value: float | None, count: int = 3) -> str:
+    """Return a number with `count` significant digits, or a dash where there is none."""
     if value is None or not math.isfinite(value):
         return "-"
-    return f"{value:.{digits}g}"
+    return digits(value, count)
 
 
 def percent(share: float | None) -> str:

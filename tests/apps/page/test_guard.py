@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -29,7 +30,8 @@ def answer(method="GET", path="/", query="", **headers):
         "type": "http", "method": method, "path": path, "query_string": query.encode(),
         "headers": [(name.encode(), value.encode()) for name, value in given.items()],
     }  # fmt: skip
-    asyncio.run(Guard(_application, TOKEN, 8000)(scope, None, send))
+    with ThreadPoolExecutor(1) as thread:  # here a browser of other tests may already run a loop
+        thread.submit(asyncio.run, Guard(_application, TOKEN, 8000)(scope, None, send)).result()
     return sent[0]["status"], {k.decode(): v.decode() for k, v in sent[0]["headers"]}
 
 

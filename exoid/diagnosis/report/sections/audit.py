@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from exoid.diagnosis.report.material import Material
+from exoid.measurement.finding import alike_findings, more_files
 
 TITLE = "Recordings and their audit"
 ORDER = 80
@@ -13,7 +14,7 @@ APPENDIX = True
 
 
 def context(material: Material) -> Mapping[str, Any] | None:
-    """Return one row per recording and every finding."""
+    """Return one row per recording, and each kind of finding once."""
     if not material.recordings:
         return None
     rows = [
@@ -29,10 +30,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
         for use, group in (("fitted", material.recordings), ("unseen", material.verify))
         for recording in group
     ]
+    everything = (*material.recordings, *material.verify)
     findings = [
-        (f.severity, f"{f.where}: {f.what}" if f.where else f.what, f.remedy)
-        for item in (*material.recordings, *material.verify)
-        for f in item.findings
+        (f.severity, (f"{f.where}: " if f.where else "") + f.what + more_files(others), f.remedy)
+        for f, *others in alike_findings(f for item in everything for f in item.findings)
     ]
     return {
         "head": ("recording", "used as", "samples", "seconds", "Hz", "masked rows", "SHA-256"),

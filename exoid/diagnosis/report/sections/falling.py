@@ -28,7 +28,8 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "rows": [(word, *(x for pair in own for x in pair)) for word, own in zip(words, sizes, strict=True)],
         "unseen": any(step.verify_rms is not None for step in fall.steps),
         "sentences": [(step.label, step.sentence) for step in fall.steps if step.sentence],
-        "ending": fall.stopped_because,
+        "ending": fall.stopped_because if material.diagnosis is not None else "",  # of models given nothing stopped
+        "unit": fall.unit,
     }
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from exoid.diagnosis.report.cells import share
 from exoid.diagnosis.report.effects import said_of
 from exoid.diagnosis.report.material import Material
 from exoid.diagnosis.report.sections.verdict import term, title
+from exoid.diagnosis.report.sections.where import words
 from exoid.diagnosis.sureness import meanings_of
 from exoid.ground.text import without_empty
 
@@ -36,7 +37,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         )
         for place, suspect in enumerate(found["suspects"][:MOST], start=1)
     ]
-    words = {item.get("sureness", "") for item in found["suspects"][:MOST]}
+    degrees = {item.get("sureness", "") for item in found["suspects"][:MOST]}
     names = (
         "rank", "effect", "what it means", "explains", "how sure", "look-alikes in these data", "caution", "p-value",
         "id",
@@ -45,8 +46,13 @@ def context(material: Material) -> Mapping[str, Any] | None:
     return {
         "head": head,
         "rows": shown,
-        "meanings": meanings_of(words - {material.diagnosis.sureness}),  # that one stands at the top of the page
+        "meanings": meanings_of(degrees - {material.diagnosis.sureness}),  # that one stands at the top of the page
         "pictures": material.pictures_in("suspects"),
         "more": max(0, len(found["suspects"]) - MOST),
-        "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},
+        "unexplained": _unexplained(found.get("unexplained") or {"significant": False}, material.diagnosis.joints),
     }
+
+
+def _unexplained(told: Mapping[str, Any], joints: Sequence[str]) -> Mapping[str, Any]:
+    """Remainder that no effect explains, with its variables in words."""
+    return {"suggested_toml": [], **told, "variables": [words(name, joints) for name in told.get("variables", ())]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,6 +14,7 @@ from exoid.symbolic.wording import number_said, title_of
 TITLE = "Answer"
 ORDER = 10
 
+COMMAND = re.compile(r"`([^`]+)`|(exoid design --separate \S+)")
 WORDS = {
     "adequate": "Nothing missing",
     "missing": "Found",
@@ -29,17 +31,19 @@ def context(material: Material) -> Mapping[str, Any] | None:
     if found is None and not material.answer:
         return None
     said = {} if found is None else found.to_json()
+    words = "" if found is None else WORDS.get(found.verdict, found.verdict)
+    headline = "" if found is None else found.headline.removeprefix("Found: ").removeprefix(f"{words}: ")
     return {
         "tiles": tiles(material),
         "verdict": "" if found is None else found.verdict,
-        "words": "" if found is None else WORDS.get(found.verdict, found.verdict),
-        "headline": "" if found is None else found.headline,
+        "words": words,
+        "headline": f"{headline[:1].upper()}{headline[1:]}",
         "meanings": [] if found is None else meanings_of([found.sureness]),
         "sentence": material.answer or ("" if found is None else found.further),
         "rule": "" if found is None else found.rule,
         "accepted": [accepted_entry(item, material.model) for item in said.get("accepted", ())],
         "possible": [f"{title(term(p), material.model)}: {p['reason']}" for p in said.get("possible", ())],
-        "next_experiment": "" if found is None else str(found.next_experiment or ""),
+        "next_experiment": [] if found is None else commands_in(str(found.next_experiment or "")),
         "biased": [] if found is None else list(found.biased),
         "of_recordings": [entry["sentence"] for entry in said.get("of_recordings", ())],
         "ending": "" if found is None else found.stopped_because,
@@ -47,6 +51,11 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "pictures": material.pictures_in("verdict"),
         "more": found is not None or bool(material.truth),
     }
+
+
+def commands_in(text: str) -> list[str]:
+    """The text in parts: words, a command, words, a command, ..."""
+    return [part for part in COMMAND.split(text) if part is not None]
 
 
 def tiles(material: Material) -> list[Mapping[str, Any]]:
@@ -61,6 +70,7 @@ def tiles(material: Material) -> list[Mapping[str, Any]]:
             "before": float(first.evaluation_rms[j]),
             "after": None if last is first else float(last.evaluation_rms[j]),
             "floor": float(fall.noise_floor[j]),
+            "unit": fall.unit,
             "kind": f"on {'the ' * (first.judged == 'fitted')}{first.judged} motion",
         }
         for j, joint in enumerate(fall.joints)

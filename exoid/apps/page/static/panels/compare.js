@@ -67,7 +67,9 @@ const otherWord = () => (added() ? "before" : "after");
 
 async function loadOther(recording) {
   const { verdict } = view.state;
-  document.getElementById("word-after").textContent = otherWord();
+  const word = document.getElementById("word-after");
+  word.textContent = otherWord();
+  word.parentElement.className = `key-${otherWord()}`;
   const words = added() || (verdict.proposed && verdict.accepted.length > 0) ? otherWord() : "";
   const key = `${recording}|${words}|${words === "after" ? verdict.headline : ""}`;
   if (!words) other = null;
@@ -83,7 +85,7 @@ async function loadOther(recording) {
 
 // The other error as a curve: what comes after in the colour of what is good, what was before as a trace behind.
 function drawn(values) {
-  return other.words === "after" ? { values, colour: "good", width: 1.6, name: "after" } : { values, colour: "faint", width: 1.2, name: "before" };
+  return other.words === "after" ? { values, colour: "after", width: 1.6, name: "after" } : { values, colour: "faint", width: 1.2, name: "before" };
 }
 
 // The plots over time as large as the screen.

@@ -15,7 +15,7 @@ let waiting = null;
 // A remedy of the command line, as it is done on the page.
 export function inPage(remedy) {
   return remedy.replace(/--leg (left|right|ipsi|contra)( or --leg \w+)*( \(two recordings\))?/, "press the leg that is meant")
-    .replace(/--map (\w+)=COLUMN/g, "choose one as $1").replace(/--map (\w+)=("[^"]*"|'[^']*'|[^\s,;]+)/g, "choose $2 as $1").replace(/--units (\S+)/g, "write the unit beside the column ($1)").replace(/--passive (\w+) where that joint has no drive/g, "choose “no drive” for the torque of the $1").replace(/first give --convention (\S+)/g, "first read them as $1").replace(/give --convention (\S+)/g, "read them as $1").replace(/--rate (\d+)( \([^)]*\))?/g, "write it beside “no clock” ($1)").replace(/--verify/g, "“held out”");
+    .replace(/it is: --map (\w+=COLUMN,?){2,}/g, "each of them is").replace(/--map (\w+)=COLUMN/g, "choose one as $1").replace(/--map (\w+)=("[^"]*"|'[^']*'|[^\s,;]+)/g, "choose $2 as $1").replace(/--units (\S+)/g, "write the unit beside the column ($1)").replace(/--passive (\w+) where that joint has no drive/g, "choose “no drive” for the torque of the $1").replace(/first give --convention (\S+)/g, "first read them as $1").replace(/give --convention (\S+)/g, "read them as $1").replace(/--rate (\d+)( \([^)]*\))?/g, "write it beside “no clock” ($1)").replace(/--verify/g, "“held out”");
 }
 
 // A file that cannot be read as it is opens the dialog by itself, once; the dialog goes when the file could be read after all.

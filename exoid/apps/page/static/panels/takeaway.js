@@ -5,7 +5,7 @@ import { button, fill, h } from "../dom.js";
 import { view } from "../store.js";
 import { doing, say } from "./status.js";
 
-const FORMATS = { c: "C", casadi: "CasADi", numpy: "NumPy", urdf: "URDF", mjcf: "MJCF" };
+const FORMATS = { c: "C", casadi: "CasADi", numpy: "NumPy", urdf: "URDF", mjcf: "MJCF", fmu: "FMU", ros2: "ROS 2", updater: "updating C" };
 
 let kind = "cli";
 
