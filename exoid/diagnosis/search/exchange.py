@@ -8,10 +8,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.search.choice import refitted, shortlist
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.state import Extension, State
+
+SAME = 1e-9
+"""Difference of two columns, of their size, up to which they are the same but for rounding."""
 
 
 def exchange(context: SearchContext, state: State) -> State:
@@ -21,7 +28,9 @@ def exchange(context: SearchContext, state: State) -> State:
         without = context.without(state.last, [score])
         evidence = context.evidence(without, draws=0)
         taken = {*state.names, *state.banned, *state.unsteady} - {score.name}
-        wanted = [score.name, *(name for name in _rivals(context, score) if name not in taken)]
+        rivals = (context.library.find(name) for name in _rivals(context, score) if name not in taken)
+        # What holds another accepted term, as a spring an offset, would stand for both.
+        wanted = [score.name, *(rival.name for rival in rivals if not _holds_any(context, without, evidence, rival))]
         weighed = [context.weighed(without, evidence, context.library.find(name)) for name in wanted]
         helping = [s for s in context.agreed(without, evidence, weighed) if s.eligible]
         if not helping:
@@ -41,6 +50,20 @@ def exchange(context: SearchContext, state: State) -> State:
             rest = context.replay(state, [name for name in state.names if name != score.name])
             state = rest.grown(*rest.extensions, replace(found, added=replace(found.added, p_value=again.p_value)))
     return state
+
+
+def _holds_any(context: SearchContext, extension: Extension, evidence: Evidence, rival: Candidate) -> bool:
+    """True if a number of a rival makes exactly the torque that one of a term of the model makes."""
+    if rival.width < 2:
+        return False
+    own = [part.node(0) for part in context.library.columns(rival, extension.fitted)]
+    same = []
+    for block, part in zip(evidence.blocks, own, strict=True):
+        mine = part.full(0, len(block.use))
+        places = [k for k, parameter in enumerate(extension.fitted.model.parameters) if parameter.term is not None]
+        apart = [np.abs(mine - block.columns[:, :, [k]]).max(axis=(0, 1)) for k in places]
+        same.append(np.array(apart).reshape(-1, rival.width) <= SAME * np.abs(mine).max(axis=(0, 1)))
+    return bool(np.all(same, axis=0).any())
 
 
 def _relabelled(state: State, score: Score, alike: tuple[str, ...], never: tuple[str, ...]) -> State:
