@@ -19,7 +19,7 @@ from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise, noise_share
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
-from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.context import FEW, LEADING, SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import ascending, least_of
@@ -129,8 +129,9 @@ def refitted(
     or where what they gain is made by the noise of the angles, or something speaks against each (`doubt`).
     """
     rules, scale = context.rules, extension.fitted.scale
-    able = [s for s in rivals if s.name not in failed][: rules.refitted]
-    tried, elsewhere = _refits(context, extension, [*able, *(s for s in rivals if s.name in failed)])
+    most = rules.refitted if len(extension.fitted.model.terms) <= FEW else LEADING
+    able = [s for s in rivals if s.name not in failed][:most]
+    tried, elsewhere = _refits(context, extension, [*able, *[s for s in rivals if s.name in failed][:most]])
     by_joint = {score.name: found.fitted.joint_losses(scale, rules) for score, found in tried}
     losses = {name: loss.sum(axis=0) for name, loss in by_joint.items()}
     tried = [p for p in tried if p[0].name not in failed]

@@ -35,7 +35,9 @@ Ranked = tuple[Evidence, list[Score]]
 DRAWN = 2
 """Sets of recordings that the present model makes itself."""
 FEW, LEADING = 4, 2
-"""Terms of which each is refitted to find the one that helps most, and how many of more: those that lead linearised."""
+"""Terms up to which a search refits whatever may be the better one, and how many it refits beside more of them, as
+machines of many joints have: those that lead linearised.
+"""
 RESOLUTION = 1.2
 """How much finer than the strictest p-value of a ranking its placebos resolve."""
 
@@ -68,6 +70,9 @@ class SearchContext:
 
     own: dict[tuple[str, ...], tuple[FittedModel, ...]] = field(default_factory=dict)
     """A model with these terms on recordings that it made itself."""
+
+    settled: set[tuple[str, str, frozenset[str]]] = field(default_factory=set)
+    """Moves that changed nothing about a term, with the names of the terms at its joints then."""
 
     # -- models -----------------------------------------------------------------------------------------------
 
@@ -226,6 +231,16 @@ class SearchContext:
             floor = self.prepared.noise_floor
             self.own[key] = tuple(made_by_itself(extension.fitted, floor, self.seed + k) for k in range(DRAWN))
         return self.own[key]
+
+    def is_settled(self, move: str, state: State, score: Score) -> bool:
+        """True if a move changed nothing about a term before, and no term at its joints has come or gone since; asked
+        where there are many. What is not is noted, for the next time.
+        """
+        at = {*score.candidate.joints}
+        near = frozenset(other.name for other in state.accepted if at & {*other.candidate.joints})
+        known = len(state.accepted) > FEW and (move, score.name, near) in self.settled
+        self.settled.add((move, score.name, near))
+        return known
 
     @staticmethod
     def key(extension: Extension) -> tuple[str, ...]:

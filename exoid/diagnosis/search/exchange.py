@@ -14,7 +14,7 @@ from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.search.choice import refitted, shortlist
-from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.context import FEW, SearchContext
 from exoid.diagnosis.search.state import Extension, State
 
 SAME = 1e-9
@@ -24,6 +24,8 @@ SAME = 1e-9
 def exchange(context: SearchContext, state: State) -> State:
     """Put a rival in the place of an accepted term where it is the better one beside all the others."""
     for score in state.accepted[:-1]:
+        if context.is_settled("exchange", state, score):
+            continue
         context.tick(0.87, f"comparing {score.name} with its rivals once more")
         without = context.without(state.last, [score])
         evidence = context.evidence(without, draws=0)
@@ -38,6 +40,8 @@ def exchange(context: SearchContext, state: State) -> State:
         near, alike = shortlist(context, without, evidence, helping)
         if [s.name for s in near] == [score.name]:
             state = _relabelled(state, score, (), ())
+            continue
+        if near[0].name == score.name and len(state.accepted) > FEW:  # of so many each that leads linearised stays
             continue
         found = refitted(context, without, evidence, near, alike)
         if found is None or found.added is None:
