@@ -42,6 +42,9 @@ def exchange(context: SearchContext, state: State) -> State:
             state = _relabelled(state, score, (), ())
             continue
         if near[0].name == score.name and len(state.accepted) > FEW:  # of so many each that leads linearised stays
+            never = next(e.never for e in state.extensions if e.added is score)
+            others = [s.name for s in near if s.name in alike and s.candidate.numbers <= score.candidate.numbers]
+            state = _relabelled(state, score, tuple(dict.fromkeys([*others, *never])), never)
             continue
         found = refitted(context, without, evidence, near, alike)
         if found is None or found.added is None:
