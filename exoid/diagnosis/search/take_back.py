@@ -62,7 +62,7 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
     could only take their place: those that add little to the same curve.
     """
     # A constant is part of any curve, and no stand-in for one.
-    scores = {s.name: s for s in state.accepted if not _is_constant(context.columns_of(s, state.last.fitted))}
+    scores = {s.name: s for s in state.accepted if not _is_constant(context, state, s)}
 
     @cache
     def without(*names: str) -> _Without:
@@ -81,8 +81,11 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
     return frozenset()
 
 
-def _is_constant(columns: Sequence[Columns]) -> bool:
-    """True if columns of one node do not change over any recording."""
+def _is_constant(context: SearchContext, state: State, score: Score) -> bool:
+    """True if a term has one number alone, a torque that does not change over any recording."""
+    if score.candidate.numbers != 1 or not score.candidate.term.effect.coefficients:
+        return False
+    columns = context.library.columns(context.library.find(score.name), state.extensions[0].fitted)
     return all(bool(np.all(np.ptp(c.values, axis=2) <= CONSTANT * np.abs(c.values).max())) for c in columns)
 
 
