@@ -6,6 +6,7 @@ an advantage then. What these data cannot distinguish is counted anew as well.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +33,9 @@ def exchange(context: SearchContext, state: State) -> State:
         taken = {*state.names, *state.banned, *state.unsteady} - {score.name}
         rivals = (context.library.find(name) for name in _rivals(context, score) if name not in taken)
         # What holds another accepted term, as a spring an offset, would stand for both.
-        wanted = [score.name, *(rival.name for rival in rivals if not _holds_any(context, without, evidence, rival))]
+        known = {s.candidate.joints for s in state.accepted if s.candidate.numbers == 1}
+        apart = [r for r in rivals if not (_made_of(r, known) or _holds_any(context, without, evidence, r))]
+        wanted = [score.name, *(rival.name for rival in apart)]
         weighed = [context.weighed(without, evidence, context.library.find(name)) for name in wanted]
         helping = [s for s in context.agreed(without, evidence, weighed) if s.eligible]
         if not helping:
@@ -57,6 +60,11 @@ def exchange(context: SearchContext, state: State) -> State:
             rest = context.replay(state, [name for name in state.names if name != score.name])
             state = rest.grown(*rest.extensions, replace(found, added=replace(found.added, p_value=again.p_value)))
     return state
+
+
+def _made_of(rival: Candidate, known: Collection[tuple[int, ...]]) -> bool:
+    """True if a rival of several numbers acts on several joints, each with a plain term of its own (`known`)."""
+    return rival.numbers > 1 < len(rival.joints) and all((joint,) in known for joint in rival.joints)
 
 
 def _holds_any(context: SearchContext, extension: Extension, evidence: Evidence, rival: Candidate) -> bool:
