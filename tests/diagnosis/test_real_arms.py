@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exoid.diagnosis.discovery import discover
 from exoid.measurement.reading.read import read_recording
 from exoid.optimisation.fitting.assemble import assemble
 from exoid.optimisation.fitting.identify import identify
@@ -51,11 +50,3 @@ def test_the_same_model_predicts_as_well_as_plain_squares(shared_data, tmp_path,
     prepared = prepare(model, runs, last)
     fit = identify(model, prepared.train, optimisers=())
     assert np.all(assemble(model, prepared.verify).rms(fit.linear) <= HUBER * plain_squares(model, prepared))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ARMS)
-def test_what_is_found_predicts_unseen_motion_better_than_a_plain_fit(shared_data, tmp_path, name):
-    model, runs, last = arm(shared_data, tmp_path, name)
-    found = discover(model, runs, last)
-    assert np.all(found.steps[-1].verify_rms <= plain_squares(model, prepare(model, runs, last)))

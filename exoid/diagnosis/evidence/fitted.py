@@ -142,8 +142,16 @@ class FittedModel:
         prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0])
         friction = self.model.friction
         numbers = friction.start, self.linear[friction].reshape(-1, 2)
-        more = {"prior": prior, "friction": numbers, "rules": rules}
-        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, **more)
+        return Evidence(
+            blocks[:count],
+            blocks[count:],
+            seed=seed,
+            draws=draws,
+            sigma=sigma,
+            prior=prior,
+            friction=numbers,
+            rules=rules,
+        )
 
     def block_of(self, one: PreparedRecording) -> RecordingEvidence:
         """Return any prepared recording as the evidence sees it, at the numbers of this model."""
