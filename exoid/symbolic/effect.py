@@ -106,6 +106,10 @@ class Effect:
     """Which machines have it: "all", the "leg" with hip and knee, or "others"; only those that move in a plane where it
     is "planar" or "planar others", only those in space where it is "spatial".
     """
+    bends_friction: bool = False
+    """Whether it is another curve of the friction that its joint has anyhow, so that dry and viscous friction cannot be
+    negative beside it.
+    """
     worn: bool = False
     """Whether it is a person's own: machines with a hip and a knee have it, and it is looked for where the model has a
     wearer.

@@ -320,6 +320,12 @@ class ModelStructure:
         """The place of the parameters of friction among all, two per joint."""
         return slice(len(self.inertial), len(self.inertial) + 2 * len(self.joints))
 
+    @property
+    def bent_friction(self) -> tuple[int, ...]:
+        """The places of dry and viscous friction that a term bends, so that they cannot be negative."""
+        bent = [term.first for term in self.terms if term.effect.bends_friction]
+        return tuple(self.friction.start + 2 * joint + k for joint in bent for k in range(2))
+
     @cached_property
     def base_count(self) -> int:
         """Number of parameters of the model without terms: inertial, of friction, and of measured forces."""

@@ -45,6 +45,7 @@ class Leg:
     joints = LEG
     chain = ()
     following_places = ()
+    bent_friction = ()
     forces = ()
     wearer = None
 

@@ -140,7 +140,18 @@ class FittedModel:
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
         prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0])
-        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior, rules=rules)
+        friction = self.model.friction
+        numbers = friction.start, self.linear[friction].reshape(-1, 2)
+        return Evidence(
+            blocks[:count],
+            blocks[count:],
+            seed=seed,
+            draws=draws,
+            sigma=sigma,
+            prior=prior,
+            friction=numbers,
+            rules=rules,
+        )
 
     def block_of(self, one: PreparedRecording) -> RecordingEvidence:
         """Return any prepared recording as the evidence sees it, at the numbers of this model."""

@@ -61,7 +61,8 @@ class Evidence:
 
     Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording (`shifts`, in samples; by
     default as many as `rules` say) are drawn from `seed`. `prior` (P,) is the precision with which each parameter of
-    the model is held where it is, 0 for free ones.
+    the model is held where it is, 0 for free ones. `friction` is the place of the first number of friction
+    among them, and dry and viscous friction (J, 2) of every joint; None where nobody asks for them.
     """
 
     def __init__(
@@ -73,8 +74,10 @@ class Evidence:
         draws: int | None = None,
         sigma: Float | None = None,
         prior: Float | None = None,
+        friction: tuple[int, Float] | None = None,
         rules: Rules = RULES,
     ) -> None:
+        self.friction = friction
         self.train, self.verify = tuple(train), tuple(verify)
         self.rules = rules
         self.draws = draws = rules.placebos if draws is None else draws
@@ -391,6 +394,16 @@ class Evidence:
     def step_beside(self, grams: Gram) -> Float:
         """Steps (P, D) of the model's own numbers when all training units are fitted beside a candidate."""
         return self._together.candidate(grams, self.ridge())[1][0]
+
+    def friction_beside(self, grams: Gram, joint: int) -> Float | None:
+        """Dry and viscous friction (2, D) of a joint, fitted to all training units beside a candidate; None where
+        they are not known.
+        """
+        if self.friction is None:
+            return None
+        first, numbers = self.friction
+        place = first + 2 * joint
+        return np.asarray(numbers[joint][:, None] + self.step_beside(grams)[place : place + 2])
 
     def pick(self, grams: Gram, nodes: np.ndarray) -> Gram:
         """Return Gram blocks made of node `nodes` (R, D) of each recording; D of `grams` is (V, D), or (V, 1)."""

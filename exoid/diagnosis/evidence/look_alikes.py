@@ -24,6 +24,9 @@ from exoid.ground.ties import TIED, least_of
 from exoid.optimisation.fitting.shapes import from_unit, to_unit
 from exoid.symbolic.motion import Float
 
+PERIODS = 6.0
+"""Periods of the band after which a residual hardly remembers itself."""
+
 
 def refine(evidence: Evidence, score: Score, fitted: FittedModel) -> tuple[Score, list[Columns]]:
     """Return the score at shape values refined between the nodes, and the columns there (one node).
@@ -134,14 +137,30 @@ def leaves_joints(loss: Float, than: Float, best: Candidate, rules: Rules) -> bo
     return any(lag(loss[joint], than[joint]) >= rules.clear for joint in best.joints)
 
 
+def clearly_helps(evidence: Evidence, columns: Sequence[Columns], cutoff: float) -> bool:
+    """True if the held-out loss of the model is clearly above that with a candidate's columns (one node), as blocks of
+    some periods of the band of `cutoff` Hz scatter.
+    """
+    seconds = min(evidence.rules.block_seconds, PERIODS / cutoff)
+    nothing = [Columns(c.joints, np.zeros_like(c.values)) for c in columns]
+    each = [joint_losses(evidence, evidence.plain(some), some, seconds=seconds) for some in (nothing, columns)]
+    return lag(*(loss.sum(axis=0) for loss in each)) >= evidence.rules.clear
+
+
 def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
     """Return the held-out loss of a candidate in strides, or blocks of time, over all units of all splits."""
     return np.asarray(joint_losses(evidence, grams, columns, ridge).sum(axis=0))
 
 
-def joint_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+def joint_losses(
+    evidence: Evidence,
+    grams: Gram,
+    columns: Sequence[Columns],
+    ridge: float | None = None,
+    seconds: float | None = None,
+) -> Float:
     """Return that loss joint by joint (J, blocks)."""
-    out = []
+    out, seconds = [], evidence.rules.block_seconds if seconds is None else seconds
     for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
         index, weight = evidence.unit(unit)
         block = evidence.blocks[index]
@@ -150,6 +169,6 @@ def joint_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ri
             residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
         loss = weight * residual**2
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)
-        blocks = np.searchsorted(block.starts(evidence.rules.block_seconds), live, side="right")
+        blocks = np.searchsorted(block.starts(seconds), live, side="right")
         out.append(np.add.reduceat(loss[:, live], np.flatnonzero(np.diff(blocks, prepend=-1)), axis=1))
     return np.concatenate(out, axis=1)

@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
-from exoid.diagnosis.evidence.look_alikes import placed, refine
+from exoid.diagnosis.evidence.look_alikes import clearly_helps, placed, refine
 from exoid.diagnosis.evidence.placebo import as_good, p_value, searches
 from exoid.diagnosis.evidence.score import Score, harmless, weigh
 from exoid.diagnosis.evidence.stability import Splits
@@ -82,7 +82,8 @@ def agreed(
     """Return `scores` with what splits of the recordings say about those that gain enough to matter.
 
     What has a place is asked at its best one beside the model `fitted` where it hardly convinces at a node: a stop that
-    begins beside its node leaves most where one recording goes furthest into it.
+    begins beside its node leaves most where one recording goes furthest into it. Of a single recording its gain has to
+    be clear beside how it scatters over the recording.
     """
     splits, rules = Splits(evidence), evidence.rules
     out = []
@@ -93,6 +94,8 @@ def agreed(
             if fitted is not None and placed(score.candidate) and not agreement.enough(rules):
                 agreement = splits.candidate(*refine(evidence, score, fitted))
             steady = score.steady if agreement.share is None else agreement.enough(rules)
+            if len(evidence.blocks) == 1 and fitted is not None:  # no splits: the scatter over its blocks has to tell
+                steady = steady and clearly_helps(evidence, best, fitted.prepared.choice.cutoff)
             helps = score.helps or (agreement.repeats(rules) and _outvoted(evidence, score))
             score = replace(score, agreement=agreement, steady=steady, helps=helps)
         out.append(score)

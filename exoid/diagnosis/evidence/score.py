@@ -99,16 +99,19 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     novelty = evidence.novelty(grams)
     rules = evidence.rules
     alive = (novelty > ABSORBED) & (active >= rules.negligible)
-    if not alive.any():
+    possible = alive & _friction_is_possible(evidence, candidate, grams)
+    if not possible.any():
         nodes = np.zeros(len(columns), dtype=int)
         blank = np.zeros(len(evidence.fold_losses))
         text = "the model's own parameters already contain it, on this motion"
+        if alive.any():
+            text = "dry or viscous friction of its joint would be negative beside it"
         return Score(
             candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text
         )
     best: tuple[np.ndarray, Gain] | None = None
     wrong, whole = 0.0, float(evidence.fold_losses.sum())
-    for nodes, gain in _choices(evidence, candidate, grams, alive):
+    for nodes, gain in _choices(evidence, candidate, grams, possible):
         right = admissible(candidate, gain.coefficients, rules)[0]
         total = float(gain.total[0])
         if right and (best is None or total > best[1].total[0] + TIED * whole):
@@ -116,10 +119,12 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         elif not right:
             wrong = max(wrong, total)
     if best is None or wrong > 2.0 * max(float(best[1].total[0]), 0.0):
-        nodes, gain = best or next(iter(_choices(evidence, candidate, grams, alive)))
+        nodes, gain = best or next(iter(_choices(evidence, candidate, grams, possible)))
         text = "fits best with a sign that this effect cannot have" if wrong > rules.least_share * whole else ""
     else:
         (nodes, gain), text = best, ""
+    if candidate.term.effect.family == "drift" and len(evidence.blocks) == 1:
+        text = text or "a drift comes once in a recording, and one recording shows many other things once"
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
@@ -187,6 +192,12 @@ def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.nd
         if entry.max is not None:
             ok &= value <= entry.max * (reach if entry.max > 0.0 else 1.0 / reach)
     return ok
+
+
+def _friction_is_possible(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
+    """Mask (V,) of the nodes beside which the friction that a candidate bends stays positive."""
+    friction = evidence.friction_beside(grams, candidate.term.first) if candidate.term.effect.bends_friction else None
+    return np.ones(grams.rows.shape[-1], dtype=bool) if friction is None else np.all(friction >= 0.0, axis=0)
 
 
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:

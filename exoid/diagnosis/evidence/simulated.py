@@ -63,6 +63,12 @@ def needed_beyond_noise(
     return evidence.rules.artefact * max(0.0, float(np.mean(gains)))
 
 
+def noise_share(evidence: Evidence, floor: Float) -> float:
+    """Share of the loss of the training recordings that noise of `floor` (J,) N·m makes."""
+    samples = np.sum([block.use.sum(axis=1) for block in evidence.train], axis=0)
+    return float(np.sum(samples * (floor / evidence.sigma) ** 2)) / max(float(evidence.fold_losses.sum()), 1e-300)
+
+
 def _made(
     fitted: FittedModel, one: PreparedRecording, shape: Float, floor: Float, rng: np.random.Generator
 ) -> PreparedRecording:

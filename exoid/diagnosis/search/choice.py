@@ -12,20 +12,24 @@ from statistics import NormalDist
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
-from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes
 from exoid.diagnosis.evidence.score import Score
-from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
+from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise, noise_share
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
-from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.context import FEW, LEADING, SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import ascending, least_of
 
 Refined = tuple[Score, list[Columns]]
 """A score at refined shape values, and its columns there."""
+
+
+OVER_NOISE = 5.0
+"""Times the loss that noise makes, the most that a candidate may gain from it, with room for what a fit makes worse."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +50,7 @@ def choose(
     """Return the model with the best candidate that really helps after a full refit."""
     failed: frozenset[str] = frozenset()
     known: dict[str, Refined] = {}
+    banned = banned | plainer_together(context, extension, evidence, scores)
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
         # That something is missing is certain, the question is what; whatever is chosen must beat its own placebos too.
         # What does not may resemble itself when it is shifted, as what hardly varies does: it stays a look-alike.
@@ -63,6 +68,29 @@ def choose(
                 return Choice(found, failed)
         failed |= {chosen.name}
     return Choice(None, failed)
+
+
+def plainer_together(
+    context: SearchContext, extension: Extension, evidence: Evidence, scores: Sequence[Score]
+) -> frozenset[str]:
+    """Names of the candidates of several numbers on several joints whose gain is nearly all that of plain ones, of one
+    number at each of these joints: those come first, and what more there is in the others is weighed beside them.
+    """
+    sure = [s for s in scores if s.significant]
+    plain = [s for s in sure if s.candidate.numbers == 1 and len(s.candidate.joints) == 1]
+    found = set()
+    for score in sure:
+        joints = score.candidate.joints
+        best = [next((s for s in plain if s.candidate.joints == (joint,)), None) for joint in joints]
+        parts = [s for s in best if s is not None]
+        if len(joints) < 2 or len(parts) < len(joints) or len(parts) > score.candidate.numbers:
+            continue
+        columns = [(context.library.columns(s.candidate, extension.fitted), s.nodes) for s in parts]
+        nodes = [[c.node(int(n)) for c, n in zip(each, chosen, strict=True)] for each, chosen in columns]
+        together = evidence.gain(evidence.plain(stacked(nodes, len(evidence.sigma))))
+        if float(together.total[0]) >= context.rules.most * score.share * float(evidence.fold_losses.sum()):
+            found.add(score.name)
+    return frozenset(found)
 
 
 def shortlist(
@@ -101,8 +129,9 @@ def refitted(
     or where what they gain is made by the noise of the angles, or something speaks against each (`doubt`).
     """
     rules, scale = context.rules, extension.fitted.scale
-    able = [s for s in rivals if s.name not in failed][: rules.refitted]
-    tried, elsewhere = _refits(context, extension, [*able, *(s for s in rivals if s.name in failed)])
+    most = rules.refitted if len(extension.fitted.model.terms) <= FEW else LEADING
+    able = [s for s in rivals if s.name not in failed][:most]
+    tried, elsewhere = _refits(context, extension, [*able, *[s for s in rivals if s.name in failed][:most]])
     by_joint = {score.name: found.fitted.joint_losses(scale, rules) for score, found in tried}
     losses = {name: loss.sum(axis=0) for name, loss in by_joint.items()}
     tried = [p for p in tried if p[0].name not in failed]
@@ -201,7 +230,13 @@ def _twins(
 
 
 def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:
-    """True if a candidate gains clearly more than on recordings that the present model made itself, noise added."""
+    """True if a candidate gains clearly more than on recordings that the present model made itself, noise added.
+
+    Where all that noise makes is far less than the candidate gains, none are made: they would take two fits.
+    """
+    beyond = score.share - context.rules.least_share
+    if context.rules.artefact * OVER_NOISE * noise_share(evidence, context.prepared.noise_floor) < beyond:
+        return True
     simulated = evidence_on(context.simulated(extension), evidence)
     needed = needed_beyond_noise(score.candidate, score.shape, evidence, simulated)
     return score.share - needed >= context.rules.least_share

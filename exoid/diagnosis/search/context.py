@@ -25,7 +25,7 @@ from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.doubt import Objection, doubt
 from exoid.diagnosis.search.state import Extension, State
 from exoid.ground.progress import Progress, silent
-from exoid.ground.ties import least_of
+from exoid.ground.ties import least_of, order_of
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
@@ -34,6 +34,10 @@ from exoid.symbolic.motion import Float
 Ranked = tuple[Evidence, list[Score]]
 DRAWN = 2
 """Sets of recordings that the present model makes itself."""
+FEW, LEADING = 4, 2
+"""Terms up to which a search refits whatever may be the better one, and how many it refits beside more of them, as
+machines of many joints have: those that lead linearised.
+"""
 RESOLUTION = 1.2
 """How much finer than the strictest p-value of a ranking its placebos resolve."""
 
@@ -66,6 +70,9 @@ class SearchContext:
 
     own: dict[tuple[str, ...], tuple[FittedModel, ...]] = field(default_factory=dict)
     """A model with these terms on recordings that it made itself."""
+
+    settled: set[tuple[str, str, frozenset[str]]] = field(default_factory=set)
+    """Moves that changed nothing about a term, with the names of the terms at its joints then."""
 
     # -- models -----------------------------------------------------------------------------------------------
 
@@ -129,11 +136,24 @@ class SearchContext:
         out = [state.extensions[0]]
         waiting = [e for e in state.extensions if e.added is not None and e.added.name in names]
         while waiting:
-            tried = [(self.with_term(out[-1], e.added), e) for e in waiting if e.added is not None]
+            leading = self._leading(out[-1], waiting)
+            tried = [(self.with_term(out[-1], e.added), e) for e in leading if e.added is not None]
             found, old = least_of(tried, lambda pair: -self.unseen_gain(out[-1], pair[0]), 1.0)
             out.append(replace(found, alike=old.alike, never=old.never))
             waiting = [e for e in waiting if e is not old]
         return state.grown(*out)
+
+    def _leading(self, before: Extension, waiting: Sequence[Extension]) -> Sequence[Extension]:
+        """Those of `waiting` that may help most beside `before`: of many, those whose columns say so."""
+        if len(waiting) <= FEW:
+            return waiting
+        evidence, shares = self.evidence(before, draws=0), []
+        for e in waiting:
+            if e.added is not None:
+                candidate = replace(e.added.candidate, nodes=e.added.shape[:, None, :])
+                score = weigh(evidence, candidate, self.columns_of(e.added, before.fitted))
+                shares.append(score.share if score.unseen is None else min(score.share, score.unseen))
+        return [waiting[k] for k in order_of(-np.array(shares))[:LEADING]]
 
     def unseen_gain(self, before: Extension, after: Extension) -> float:
         """Return the relative fall of the loss on unseen recordings from `before` to `after`."""
@@ -211,6 +231,16 @@ class SearchContext:
             floor = self.prepared.noise_floor
             self.own[key] = tuple(made_by_itself(extension.fitted, floor, self.seed + k) for k in range(DRAWN))
         return self.own[key]
+
+    def is_settled(self, move: str, state: State, score: Score) -> bool:
+        """True if a move changed nothing about a term before, and no term at its joints has come or gone since; asked
+        where there are many. What is not is noted, for the next time.
+        """
+        at = {*score.candidate.joints}
+        near = frozenset(other.name for other in state.accepted if at & {*other.candidate.joints})
+        known = len(state.accepted) > FEW and (move, score.name, near) in self.settled
+        self.settled.add((move, score.name, near))
+        return known
 
     @staticmethod
     def key(extension: Extension) -> tuple[str, ...]:

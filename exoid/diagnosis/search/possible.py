@@ -92,6 +92,8 @@ def _why_not(context: SearchContext, state: State, score: Score) -> str:
         return f"it explains {100 * max(unseen, 0.0):.1g} % of the error of some motion it was not fitted to"
     if not score.steady:
         lost = "some recordings lose much of what the others gain by it"
+        if len(context.prepared.all) == 1:
+            lost = "its gain is not clear beside how much it scatters over the only recording"
         return _too_few(score, True) or lost
     if not score.significant:
         chance = "" if score.p_value is None else f", p = {score.p_value:.2g} among {len(context.library.candidates)}"

@@ -12,6 +12,8 @@ def prune(context: SearchContext, state: State) -> State:
     for score in state.accepted[:-1]:
         if len(kept) < 2:
             break
+        if context.is_settled("prune", state, score):
+            continue
         without = context.without(last, [score])
         if not context.sure(context.tested(without, score)):
             kept = [s for s in kept if s is not score]

@@ -21,6 +21,9 @@ from exoid.diagnosis.search.context import SearchContext, as_fitted
 from exoid.diagnosis.search.state import Extension, State
 from exoid.ground.ties import ascending
 
+CONSTANT = 1e-6
+"""Change of a column, of its size, that is none: the filter's ends leave as much."""
+
 
 def take_back(context: SearchContext, state: State) -> State:
     """Return the state with what is left, and without the proxies among its terms; these are banned."""
@@ -58,7 +61,8 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
     parameters that both share, and a term at the other joint may bend them back. With them go the candidates that
     could only take their place: those that add little to the same curve.
     """
-    scores = {score.name: score for score in state.accepted}
+    # A constant is part of any curve, and no stand-in for one.
+    scores = {s.name: s for s in state.accepted if not _is_constant(context, state, s)}
 
     @cache
     def without(*names: str) -> _Without:
@@ -75,6 +79,14 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
             if winner is not None:
                 return frozenset({*item.names, *_superseded(context, item.extension, item.evidence, winner, joint)})
     return frozenset()
+
+
+def _is_constant(context: SearchContext, state: State, score: Score) -> bool:
+    """True if a term has one number alone, a torque that does not change over any recording."""
+    if score.candidate.numbers != 1 or not score.candidate.term.effect.coefficients:
+        return False
+    columns = context.library.columns(context.library.find(score.name), state.extensions[0].fitted)
+    return all(bool(np.all(np.ptp(c.values, axis=2) <= CONSTANT * np.abs(c.values).max())) for c in columns)
 
 
 def _in_turn(without: Callable[..., _Without], here: Sequence[str], single: Sequence[str]) -> Iterator[_Without]:

@@ -50,12 +50,23 @@ class ShapeProblem:
         return self._last[1]
 
     def loss(self, shape: Float) -> float:
-        """Return the loss with the linear parameters solved anew; infinite where the torque is not finite."""
+        """Return the loss with the linear parameters solved anew; infinite where the torque is not finite.
+
+        Friction that cannot be negative beside its own curve counts as none where it is.
+        """
         try:
             found = self.solved(shape)
         except ExpressionError:
             return float("inf")
-        return huber(found.data.residual(found.linear), self.delta)
+        return huber(found.data.residual(self._possible(found.linear)), self.delta)
+
+    def _possible(self, linear: Float) -> Float:
+        places = list(self.assembly.model.bent_friction)
+        if not places:
+            return linear
+        linear = linear.copy()
+        linear[places] = np.maximum(linear[places], 0.0)
+        return linear
 
     def data(self, shape: Float, linear: Float) -> LinearData:
         """Return the linear data there, fed-back torques computed from `linear` (P,)."""
@@ -66,7 +77,7 @@ class ShapeProblem:
         fed_back = None
         if self.assembly.model.needs_reference:
             fed_back = self.solved(nodes[len(nodes) // 2]).linear
-        if self.possible is None and np.isinf(self.delta).all():
+        if self.possible is None and np.isinf(self.delta).all() and not self.assembly.model.bent_friction:
             try:
                 if (found := self.assembly.sse_at(nodes, fed_back)) is not None:
                     return found
@@ -79,6 +90,6 @@ class ShapeProblem:
     def _held_loss(self, shape: Float, fed_back: Float) -> float:
         try:
             data = self.assembly.data(shape, fed_back)
-            return huber(data.residual(self._solve(data)), self.delta)
+            return huber(data.residual(self._possible(self._solve(data))), self.delta)
         except ExpressionError:
             return float("inf")

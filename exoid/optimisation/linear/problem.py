@@ -46,9 +46,12 @@ class LinearData:
     units: tuple[str, ...]
     use: Bool = None  # type: ignore[assignment]
     factoriser: Callable[[Float], Factor] = field(default=factorise, repr=False)
+    owned: bool = field(default=False, repr=False)
+    """Whether `columns` are nobody else's, so that they need not be copied."""
 
     def __post_init__(self) -> None:
-        columns, tau = np.array(self.columns, dtype=float), np.array(self.tau, dtype=float)
+        tau = np.array(self.tau, dtype=float)
+        columns = np.ascontiguousarray(self.columns) if self.owned else np.array(self.columns, dtype=float)
         use = np.ones(tau.shape, dtype=bool) if self.use is None else np.array(self.use, dtype=bool)
         groups = np.array(self.groups, dtype=np.int64)
         joints, samples, width = columns.shape
@@ -71,7 +74,7 @@ class LinearData:
             object.__setattr__(self, name, value)
 
     def _refuse_infinite(self, columns: Float, tau: Float) -> None:
-        if np.isfinite(columns).all() and np.isfinite(tau).all():
+        if np.isfinite(columns.sum() + tau.sum()) or (np.isfinite(columns).all() and np.isfinite(tau).all()):
             return
         bad = [n for p, n in enumerate(self.names) if not np.isfinite(columns[:, :, p]).all()]
         raise RecordingError(

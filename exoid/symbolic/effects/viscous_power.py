@@ -14,9 +14,10 @@ EFFECT = Effect(
     },
     shape={
         "p": Shape(
-            "1", min=0.2, max=0.9, spacing="linear", points=8, typical=0.5, explains="exponent of the speed, below one"
+            "1", min=0.1, max=0.9, spacing="linear", points=9, typical=0.5, explains="exponent of the speed, below one"
         )
     },
+    bends_friction=True,
     explains="Resistance rises fast at low speed and flattens out, as in harmonic drives and greased gears.",
     tells_apart=(
         "Constant speeds over the whole range, several of them slow, in both directions: dry and viscous friction "
