@@ -61,15 +61,16 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
     parameters that both share, and a term at the other joint may bend them back. With them go the candidates that
     could only take their place: those that add little to the same curve.
     """
-    # A constant is part of any curve, and no stand-in for one.
-    scores = {s.name: s for s in state.accepted if not _is_constant(context, state, s)}
+    scores = {score.name: score for score in state.accepted}
+    # A constant is part of any curve: with others it builds none that it is not part of, too.
+    bent = {score.name for score in state.accepted if not _is_constant(context, state, score)}
 
     @cache
     def without(*names: str) -> _Without:
         return _Without.of(context, state, [scores[name] for name in names])
 
     for joint in state.last.fitted.model.joint_names:
-        here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
+        here = [n for n, s in scores.items() if s.candidate.term.joint == joint and n in bent]
         disturbed = left is not None and left.joint == joint
         single = [n for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
         for item in _in_turn(without, here, single):
