@@ -103,7 +103,7 @@ def test_refused_with_reason_place_and_remedy(name, tmp_path):
 def test_what_is_not_a_file(tmp_path):
     (tmp_path / "run_1.csv").write_text(table())
     for path, what, remedy in (
-        (tmp_path, "this is a folder", "*.csv"),
+        (tmp_path, "this is a folder", "take the whole folder"),
         (tmp_path / "run_l.csv", "there is no such file", "did you mean"),
         (tmp_path / "nowhere" / "a.csv", "there is no such file", "does not exist either"),
         (tmp_path / ("x" * 5000), "this is not a path", "spelling"),

@@ -53,7 +53,7 @@ class FakeModel:
     joint_names: tuple[str, ...] = ("hip", "knee")
     parameters: tuple[Any, ...] = (SimpleNamespace(name="Phi1", label="inertia Φ1", unit="kg·m²"),)
     shapes: tuple[Any, ...] = ()
-    terms: tuple[Any, ...] = (SimpleNamespace(name="stribeck:knee"),)
+    terms: tuple[Any, ...] = (SimpleNamespace(name="stribeck:knee", effect=SimpleNamespace(id="stribeck", title="Stribeck friction"), joint="knee"),)
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,7 +89,7 @@ def add_recordings(
     if verify:
         parser.add_argument(
             "--verify", metavar="REC", nargs="+", action="extend", default=[],
-            help="recordings kept unseen, to check what was found; of a folder the rest is fitted",
+            help="recordings kept unseen; of a folder the rest is fitted",
         )  # fmt: skip
     add_reading(parser, rows, everyday=everyday)
 
