@@ -53,7 +53,9 @@ class FakeModel:
     joint_names: tuple[str, ...] = ("hip", "knee")
     parameters: tuple[Any, ...] = (SimpleNamespace(name="Phi1", label="inertia Φ1", unit="kg·m²"),)
     shapes: tuple[Any, ...] = ()
-    terms: tuple[Any, ...] = (SimpleNamespace(name="stribeck:knee", effect=SimpleNamespace(id="stribeck", title="Stribeck friction"), joint="knee"),)
+    terms: tuple[Any, ...] = (
+        SimpleNamespace(name="stribeck:knee", effect=SimpleNamespace(id="stribeck", title="Stribeck"), joint="knee"),
+    )
 
 
 @dataclass(frozen=True, eq=False)
