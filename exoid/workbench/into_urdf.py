@@ -14,15 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
-from exoid.optimisation.linear.bodies import Body3D
 from exoid.optimisation.linear.links import LinkInertia, tree_of
 from exoid.symbolic.joints import HERE, Joint, parents
-from exoid.symbolic.mechanics.spatial import KINDS, rotation
-from exoid.symbolic.mechanics.spatial_energy import pseudo_inertia
+from exoid.symbolic.mechanics.spatial import rotation
 from exoid.symbolic.planar_machine import PlanarMachine, moving_with, plain_name, planar_machine
 from exoid.symbolic.robot_file import RobotFile, RobotJoint, inertia_of, parse_robot, read_bytes
 from exoid.symbolic.spatial_machine import spatial_machine
-from exoid.workbench.bodies import bodies_of, friction_of, left_out, links_of
+from exoid.workbench.bodies import bodies_of, friction_of, left_out, links_of, terms_of
 from exoid.workbench.export.urdf import inertial_of
 from exoid.workbench.identified import ExportError, Ready
 
@@ -71,7 +69,9 @@ def into_urdf(ready: Ready, path: str | Path) -> tuple[bytes, tuple[str, ...]]:
         edits.append(_placed(spans, data, ("joint", joint.name), "dynamics", text))
     missing = left_out(ready)
     if missing != "nothing":
-        notes.append(f"URDF cannot carry {missing}")
+        rotors = {joint: ready.linear[f"{term.name}.c"] for joint, term in terms_of(ready, "rotor_inertia").items()}
+        sizes = ", ".join(f"{joint} {size:.4g}" for joint, size in rotors.items())
+        notes.append(f"URDF cannot carry {missing}" + (f"; armature in a simulator: {sizes} kg·m²" if sizes else ""))
     for start, end, new in sorted(edits, reverse=True):
         data = data[:start] + new + data[end:]
     parse_robot(data, where)  # what is written can be read
@@ -108,9 +108,7 @@ def _in_space(ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], wher
     if parents(ready.model.joints) != parents(found.joints):
         raise ExportError("its joints hang from each other otherwise than in the model", where=where,
                           remedy="make the model from this file (exoid model --from-urdf) and identify it")  # fmt: skip
-    known = [_known_body(joint) for joint in found.joints]
-    near = [item for item in known if item is not None]
-    return [inertial_of(entry) for entry in bodies_of(ready, near if len(near) == len(known) else None)]
+    return [inertial_of(entry) for entry in bodies_of(ready, found.joints)]
 
 
 def _same_place(mine: Joint, other: Joint) -> bool:
@@ -123,18 +121,6 @@ def _same_place(mine: Joint, other: Joint) -> bool:
         for joint, place in zip((mine, other), places, strict=True)
     )
     return mine.kind == other.kind and bool(np.abs(first - second).max() <= SAME_LENGTH)
-
-
-def _known_body(joint: Joint) -> Body3D | None:
-    """The body that moves with a joint in the file; None where it is no possible one."""
-    import numpy as np
-
-    if not joint.body:
-        return None
-    mass, x, y, z, xx, xy, xz, yy, yz, zz = joint.body
-    body = Body3D(mass, np.array([x, y, z]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-    possible = np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, body.numbers, strict=True))))[0] > 0.0
-    return body if possible else None
 
 
 def _named(ready: Ready, robot: RobotFile, where: str) -> list[RobotJoint]:
