@@ -363,8 +363,7 @@ def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Ext
     """Return the models refitted to recordings of which the search had seen only stretches, or other spikes."""
     out = []
     for extension in extensions:
-        model = extension.fitted.model
-        start = np.median(extension.fitted.fit.shapes, axis=0) if model.shapes else None
-        fit = identify(model, prepared.train, optimisers=(), start=start)
+        before = extension.fitted.fit
+        fit = identify(before.model, prepared.train, optimisers=(), start=before.start)
         out.append(replace(extension, fitted=fitted_model(fit, prepared)))
     return tuple(out)
