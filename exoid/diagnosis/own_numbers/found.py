@@ -257,8 +257,17 @@ class _Search:
 
     def _needless(self, rest: State, held: Claimed) -> State:
         """Claims that explain as much where a claim is needless: nothing, or of what everyone has, the same number in
-        all recordings; that is the machine's, and has its place in the catalogue.
+        all recordings; that is the machine's, and has its place in the catalogue. What was another number until a
+        change is then one from there on.
         """
-        same = held.claim.everyone and held.groups != self.all
-        rest = (*rest, replace(held, groups=self.all)) if same else rest
-        return self._all_placed(rest)
+        if not held.claim.everyone or held.groups == self.all:
+            return self._all_placed(rest)
+        same, alike = replace(held, groups=self.all), (held.claim.what, held.claim.place)
+        turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
+        rivals = [self._all_placed((*some, same)) for some in dict.fromkeys((rest, turned))]
+        return least_of(rivals, self.fits.loss, 1.0)
+
+    def _turned(self, held: Claimed) -> Claimed:
+        """The same of the other parts of its recordings."""
+        other = {a: b for parts in self.fits.everyone for a, b in zip(parts, reversed(parts), strict=True)}
+        return replace(held, groups=tuple(tuple(other[j] for j in group) for group in held.groups))
