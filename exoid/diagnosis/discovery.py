@@ -41,6 +41,7 @@ from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.clocks import late_clocks
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.model import Model
 
@@ -90,7 +91,8 @@ def answer_of(
     asking = _Asking(question, tick, found, time.perf_counter())
     given, many = question.fitted(recordings, verify, tick, prepared), len(recordings)
     answer = _beside_own(asking, given, recordings, verify)
-    if (answer.verdict == "adequate" and answer.error is None) or answer.outside:
+    late = late_clocks(given.prepared.clock_rates)
+    if (answer.verdict == "adequate" and answer.error is None and not late) or answer.outside:
         return answer
     clock = one_clock(given, (*recordings, *verify), partial(_again, question, given, many, tick), question.rules)
     if clock is None:
@@ -137,7 +139,7 @@ def _beside_own(
     question, given = asking.question, base.prepared
     rules = question.rules
     last = _on(answer.fit, given)
-    beside = None if given.misread or answer.outside else belonging_to(last, rules)
+    beside = None if given.misread else belonging_to(last, rules)
     if beside is None:
         return answer
     alone = belonging_to(base, rules)
@@ -157,20 +159,27 @@ def _beside_own(
     own = next((item for item in (alone, beside) if item is not None and is_worth_asking(item)), None)
     if own is None:
         return answer
+    kept = None
     for _ in range(ROUNDS):
         again, without = replace(question, own=own), own.applied(given)
         fitted = again.fitted(recordings, verify, asking.tick, without)
         rival = _of_machine(replace(asking, question=again), fitted, recordings, verify)
-        explained = _on(rival.fit, without)
-        before, own = own, belonging_to(_on(rival.fit, given), rules) or own
-        if own.agrees(before):
+        if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
             break
+        kept = rival, _on(rival.fit, without), own
+        own = belonging_to(_on(rival.fit, given), rules) or own
+        if own.agrees(kept[2]):
+            kept = *kept[:2], own
+            break
+    assert kept is not None
+    rival, explained, own = kept
     told = own.without([entry.recording for entry in rival.left_out])
-    worse = ("check_channels", "unexplained") if answer.verdict == "check_channels" else ("check_channels",)
+    doubted = answer.verdict == "check_channels" or answer.outside
+    worse = ("check_channels", "unexplained") if doubted else ("check_channels",)
     if not told or rival.outside or rival.verdict in worse or not is_worth(explained):
         return answer
-    if answer.left_out and answer.error is None and rival.error is not None:
-        return answer  # what is another machine's is explained by no such number
+    if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
+        return answer  # what is another machine's is explained by no such number, or by as many as a machine has
     return with_own(rival, told, base)
 
 
@@ -354,8 +363,7 @@ def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Ext
     """Return the models refitted to recordings of which the search had seen only stretches, or other spikes."""
     out = []
     for extension in extensions:
-        model = extension.fitted.model
-        start = np.median(extension.fitted.fit.shapes, axis=0) if model.shapes else None
-        fit = identify(model, prepared.train, optimisers=(), start=start)
+        before = extension.fitted.fit
+        fit = identify(before.model, prepared.train, optimisers=(), start=before.start)
         out.append(replace(extension, fitted=fitted_model(fit, prepared)))
     return tuple(out)

@@ -137,6 +137,23 @@ def test_another_gain_and_another_level_of_friction():
     assert stiff.verdict == "adequate" and told(stiff) == {"friction_level": pytest.approx({"run_4": 1.5}, abs=0.04)}
 
 
+@pytest.mark.parametrize(("which", "word"), [(2, "dry friction"), (3, "viscous friction")])
+def test_a_part_of_friction_that_differs_alone_is_called_so(which, word):
+    dragging = drive(4, NUMBERS + 0.8 * np.eye(4)[which])
+    found = discover(AXIS, [*(drive(k) for k in range(3)), dragging], drive(3))
+    size = 1.0 + 0.8 / NUMBERS[which]
+    assert found.verdict == "adequate" and told(found) == {"friction_level": pytest.approx({"run_4": size}, abs=0.05)}
+    assert f"{word} of the axis is another" in found.sentence
+
+
+def test_a_late_torque_of_one_fitted_recording_is_told_though_the_one_held_out_is_explained():
+    runs = [drive(k) for k in range(5)]
+    behind = np.interp(runs[1].t - 0.03, runs[1].t, runs[1].tau[:, 0])[:, None]
+    found = discover(AXIS, [runs[0], replace(runs[1], tau=behind), *runs[2:4]], runs[4])
+    assert found.verdict == "adequate"
+    assert told(found) == {"clock_offset": pytest.approx({"run_1": 0.03}, abs=0.003)}
+
+
 def warm(k, start, goes):
     """Return a recording, and one whose torque goes with the temperature of its motor, which warms up from `start`."""
     cold, free = drive(k), drive(k, NUMBERS * [1.0, 1.0, 0.0, 0.0])
@@ -249,7 +266,7 @@ def test_a_load_taken_up_midway_is_told_with_its_moment(moments):
         "carried_load": pytest.approx(dict.fromkeys(own, 1.5), abs=0.1)
     }
     (one,) = found.of_recordings
-    assert {name: start for name, (start, _) in one.spans.items()} == pytest.approx(own, abs=0.3)
+    assert {name: start for name, (start, _) in one.spans.items()} == pytest.approx(own, abs=0.03)
     assert f"From {min(own.values()):.1f}"[:6] in one.sentence and "spans" in one.to_json()
 
 
@@ -264,7 +281,17 @@ def test_a_zero_that_jumps_midway_is_told():
     runs[2] = replace(runs[2], tau=runs[2].tau + 0.8 * late[:, None])
     (one,) = discover(AXIS, runs[:3], runs[3]).of_recordings
     assert one.what == "sensor_zero" and one.values["run_2"].value == pytest.approx(0.8, abs=0.05)
-    assert one.spans["run_2"] == (pytest.approx(6.0, abs=0.3), None) and "than before" in one.sentence
+    assert one.spans["run_2"] == (pytest.approx(6.0, abs=0.03), None) and "than before" in one.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_zeros_of_a_leg_are_none_that_pushes(seed):
+    zeros = np.random.default_rng(seed).uniform(-1.5, 1.5, (4, 2))
+    runs = [run.recording for run in simulate_runs(4, None, standard_leg(), seed=seed)]
+    runs = [replace(run, tau=run.tau + zero) for run, zero in zip(runs, zeros, strict=True)]
+    found = discover(Model.standard(), runs[:3], runs[3])
+    assert found.verdict == "adequate" and not found.outside and set(told(found)) == {"sensor_zero"}
 
 
 @pytest.mark.slow

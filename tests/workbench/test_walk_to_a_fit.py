@@ -90,6 +90,11 @@ MADE = {
          "Hip strain gauge": HIP["tau"], "Knee strain gauge": KNEE["tau"]},
         "", ["--map", "--units"],
     ),
+    "a letter and a joint in another language": (
+        {"Zeit [s]": T, "q_Hüfte [rad]": HIP["q"], "q_Knie [rad]": KNEE["q"], "M_Hüfte [Nm]": HIP["tau"],
+         "M_Knie [Nm]": KNEE["tau"]},
+        "", ["--map"],
+    ),
     "counts": ({"t": T, "q": COUNTS, "tau": HIP["tau"]}, SERVO, ["--units"]),
     "a register of 8 bits": (
         {"t": T, "pos": HIP["q"], "tau": np.round(4 * HIP["tau"]) % 256}, SERVO, ["--units"]

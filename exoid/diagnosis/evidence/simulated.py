@@ -36,8 +36,7 @@ def made_by_itself(fitted: FittedModel, floor: Float, seed: int) -> FittedModel:
     made = [_made(fitted, item, shape, np.maximum(floor, 1e-12), rng) for item, shape in pairs]
     count = len(fitted.prepared.train)
     prepared = replace(fitted.prepared, train=tuple(made[:count]), verify=tuple(made[count:]))
-    start = fitted.shape if fitted.model.shapes else None
-    return fitted_model(identify(fitted.model, prepared.train, optimisers=(), start=start), prepared)
+    return fitted_model(identify(fitted.model, prepared.train, optimisers=(), start=fitted.fit.start), prepared)
 
 
 Simulated = tuple[FittedModel, Evidence]

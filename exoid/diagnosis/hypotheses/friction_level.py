@@ -1,4 +1,6 @@
-"""A joint is stiffer or easier to move in some recordings, cold or freshly greased: all its friction times a number."""
+"""A joint is stiffer or easier to move in some recordings, cold or freshly greased: its friction times a number, all of
+it, or the dry part alone (a brake that drags), or the viscous part alone (cold grease).
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,12 @@ from exoid.symbolic.motion import Float
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
-    """Return another level of each joint's friction, a factor to the others' level."""
+    """Return another level of each joint's friction, of all or of a part, a factor to the others' level."""
+    parts = {"": friction, "dry ": partial(_of_base, 0), "viscous ": partial(_of_base, 1)}
     return tuple(
-        Claim("friction_level", joint.name, "1", at_joint(k, partial(friction, k)), (-1.0, 4.0), usual=1.0, factor=True)
+        Claim("friction_level", joint.name, "1", at_joint(k, partial(part, k)), (-1.0, 4.0), 1.0, factor=True, of=of)
         for k, joint in enumerate(model.joints)
+        for of, part in parts.items()
     )
 
 
@@ -29,6 +33,13 @@ def friction(joint: int, seen: Seen) -> Float:
     return np.asarray(seen.columns[joint][:, which] @ seen.linear[which])
 
 
+def _of_base(part: int, joint: int, seen: Seen) -> Float:
+    """Return the dry (0) or the viscous friction (1) of the base model."""
+    at = seen.model.friction.start + 2 * joint + part
+    return np.asarray(seen.columns[joint][:, at] * seen.linear[at])
+
+
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the levels {recording: words} of friction."""
-    return f"{than_usual(f'friction of the {claim.place} is another', when)}: {each_said(values)} times as much"
+    what = f"{claim.of}friction of the {claim.place} is another"
+    return f"{than_usual(what, when)}: {each_said(values)} times as much"

@@ -41,7 +41,10 @@ def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
         if cuts := sharpened(in_parts, then):
             fits = Fits(now, rules, cuts)
             held = _Search(fits).placed(fits.moved(in_parts, then))
-    return with_numbers(fits, held) if held else None
+    own = with_numbers(fits, held) if held else None
+    while own is not None and len(own.clear) < len(own.held):
+        own = with_numbers(fits, own.clear) if own.clear else None
+    return own
 
 
 def placed(fits: Fits, state: State) -> State:
@@ -62,11 +65,8 @@ class _Search:
 
     def found(self, state: State) -> State:
         """The claims that hold, of those that are held already and others."""
-        for claim in self.fits.claims if self.many > 1 else ():
-            own = Claimed(claim, claim.nodes[0], self.fits.everyone)
-            held = any(item.claim is claim for item in state)
-            if claim.everyone and not held and self.fits.pays(self._needless(state, own), (*state, own), self.clear):
-                state = (*state, own)
+        if self.many > 1:
+            state = self._of_everyone(state)
         while True:
             self.fits.weigh(state)
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
@@ -83,6 +83,22 @@ class _Search:
             state = best
         self.fits.weigh(state)
         return self._pruned(state)
+
+    def _of_everyone(self, state: State) -> State:
+        """What is held already, and of what every recording has whatever pays. What one joint's zeros leave hides those
+        of another: they are asked again as long as there are more.
+        """
+        while True:
+            before = state
+            for claim in self.fits.claims:
+                own = Claimed(claim, claim.nodes[0], self.fits.everyone)
+                held = any(item.claim is claim for item in state)
+                if not claim.everyone or held:
+                    continue
+                if self.fits.pays(self._needless(state, own), (*state, own), self.clear):
+                    state = (*state, own)
+            if state == before:
+                return state
 
     def placed(self, state: State) -> State:
         """The same claims, each at the node that fits best."""
@@ -170,9 +186,10 @@ class _Search:
             if not others:
                 break
             best = self._placed(state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
-            clear = self.rules.clear if held.claim.shared else self.clear
+            # Whether one recording more shares a number costs none: what fits better is as likely as it fits.
             once, then = self.fits.losses((*state, held)), self.fits.losses((*state, best))
-            if clearer(once, then) < clear or not self.fits.weighed_loss((*state, best)) < now:
+            enough = held.claim.shared or clearer(once, then) >= self.clear
+            if not enough or not self.fits.weighed_loss((*state, best)) < now:
                 break
             held = best
         return held if held.claim.shared else self._fewest(state, held)
@@ -240,8 +257,17 @@ class _Search:
 
     def _needless(self, rest: State, held: Claimed) -> State:
         """Claims that explain as much where a claim is needless: nothing, or of what everyone has, the same number in
-        all recordings; that is the machine's, and has its place in the catalogue.
+        all recordings; that is the machine's, and has its place in the catalogue. What was another number until a
+        change is then one from there on.
         """
-        same = held.claim.everyone and held.groups != self.all
-        rest = (*rest, replace(held, groups=self.all)) if same else rest
-        return self._all_placed(rest)
+        if not held.claim.everyone or held.groups == self.all:
+            return self._all_placed(rest)
+        same, alike = replace(held, groups=self.all), (held.claim.what, held.claim.place)
+        turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
+        rivals = [self._all_placed((*some, same)) for some in dict.fromkeys((rest, turned))]
+        return least_of(rivals, self.fits.loss, 1.0)
+
+    def _turned(self, held: Claimed) -> Claimed:
+        """The same of the other parts of its recordings."""
+        other = {a: b for parts in self.fits.everyone for a, b in zip(parts, reversed(parts), strict=True)}
+        return replace(held, groups=tuple(tuple(other[j] for j in group) for group in held.groups))

@@ -8,20 +8,25 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.state import Claimed, Part, State
 from exoid.diagnosis.rules import Rules
+from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import least_of
+from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.linear.uncertainty import covariance
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
+TIME = 1e-3
+"""Part of the time between kept samples to which the moment of a change is found."""
 Span = tuple[float | None, float | None]
 """From when and until when, s; None for the beginning and the end of a recording."""
 
@@ -61,8 +66,8 @@ class Belonging(AsJson):
 @dataclass(frozen=True, eq=False)
 class OwnNumbers:
     """Numbers that belong to recordings beside the model `now`: the claims that are `held` of `parts` of them, their
-    `numbers` (C,), and for each part those (2, C) by which its two halves are judged. Factors are those of the model's
-    torque at its `linear` numbers (P,).
+    `numbers` (C,), and for each part those (2, C) by which its two halves are judged; statements `of_each` claim.
+    Factors are those of the model's torque at its `linear` numbers (P,).
     """
 
     now: FittedModel
@@ -71,7 +76,31 @@ class OwnNumbers:
     held: State
     numbers: Float
     judged: Float
-    told: tuple[Belonging, ...]
+    of_each: tuple[tuple[Belonging, ...], ...] = ()
+
+    @property
+    def told(self) -> tuple[Belonging, ...]:
+        """All statements."""
+        return tuple(statement for some in self.of_each for statement in some)
+
+    @property
+    def clear(self) -> State:
+        """The claims of which some recording's number is not the usual one."""
+        out = []
+        for held, some in zip(self.held, self.of_each, strict=True):
+            values = (value for statement in some for value in statement.values.values())
+            if not all(value.low <= held.claim.usual <= value.high for value in values):
+                out.append(held)
+        return tuple(out)
+
+    def of_a_machine(self, recordings: Sequence[Apart]) -> bool:
+        """True if some of the recordings needs as many numbers of its own as the model has."""
+        model, names = self.now.model, [item.name for item in self.now.prepared.all]
+        many = dict.fromkeys(names, 0)
+        for held in self.held:
+            for name in {names[self.parts[j].recording] for group in held.groups for j in group}:
+                many[name] += 1 + (len(held.claim.nodes) > 1)
+        return any(many[item.recording] >= model.friction.stop for item in recordings)
 
     def applied(self, prepared: Prepared) -> Prepared:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the
@@ -90,16 +119,15 @@ class OwnNumbers:
             whole = self.now.prepared.all[part.recording]
             if whole.name != one.name or not any(j in group for held in self.held for group in held.groups):
                 continue
-            start, stop = part.span(self.now.prepared)
-            inside = (t >= (-np.inf if start is None else start)) & (t < (np.inf if stop is None else stop))
+            inside = part.share(t, self.now.prepared)
             early = t < whole.t[(part.start + part.stop) // 2]
-            columns = self._columns(one, j)
+            columns = self.columns(one, j)
             both = self.judged[j] if unseen else [self.numbers, self.numbers]
-            for half, numbers in zip((inside & early, inside & ~early), both, strict=True):
-                known[half] = (columns @ numbers).T[half]
+            for half, numbers in zip((inside * early, inside * ~early), both, strict=True):
+                known += half[:, None] * (columns @ numbers).T
         return one.beside_own(known) if known.any() else one
 
-    def _columns(self, one: PreparedRecording, j: int) -> Float:
+    def columns(self, one: PreparedRecording, j: int) -> Float:
         """Torque (J, N, C) that belongs to a part of a recording where each number is one, before the filter."""
         model, linear, shape = self.now.model, self.linear, self.now.shapes[self.parts[j].recording]
         columns = model.columns(one.motion, shape, self.now.linear if model.needs_reference else None)
@@ -132,12 +160,35 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
             others[j, half] = 0.0
             judged[j, half] = fits.fitted(state, others)[fits.count :]
     numbers, spread = step[fits.count :], _spread(fits, state, step)
+    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, judged)
+    own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
     told, at = [], 0
     for held in state:
         many = len(held.groups)
-        told += _told(fits, held, numbers[at : at + many], spread, at)
+        told.append(tuple(_told(fits, own.parts, held, numbers[at : at + many], spread, at)))
         at += many
-    return OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, judged, tuple(told))
+    return replace(own, of_each=tuple(told))
+
+
+def _cut(fits: Fits, own: OwnNumbers, step: Float, part: Part) -> float | None:
+    """The time in s at which the recording of a part changes, between the kept samples next to its cut; None where it
+    is whole.
+    """
+    if part.whole:
+        return None
+    one, before, after = fits.now.prepared.all[part.recording], *fits.everyone[part.recording]
+    rows = np.concatenate([fits.rows[before], fits.rows[after]], axis=1)
+    use = np.concatenate([fits.use[before], fits.use[after]], axis=1)
+    left = rows @ fits.chosen(own.held)[before] @ np.append(-step, 1.0)
+    change = (own.columns(one, after) - own.columns(one, before)) @ own.numbers
+    late, t = own.parts[after], one.motion.t
+
+    def loss(at: float) -> float:
+        then = one.smooth(replace(late, cut=at).share(t, fits.now.prepared)[:, None] * change.T) * use
+        return float(huber_terms(np.abs(left - then) / fits.sigma[:, None], fits.rules.robust).sum())
+
+    low, middle, high = (float(one.t[late.start + k]) for k in (-1, 0, 1))
+    return minimum(loss, low, high, TIME * (high - low))[0] if change.any() else middle
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +251,9 @@ def _spread(fits: Fits, state: State, step: Float) -> _Spread:
     return _Spread(found.matrix, found.critical, found.half_widths(), fits.count, places)
 
 
-def _told(fits: Fits, held: Claimed, numbers: Float, spread: _Spread, at: int) -> list[Belonging]:
+def _told(
+    fits: Fits, parts: Sequence[Part], held: Claimed, numbers: Float, spread: _Spread, at: int
+) -> list[Belonging]:
     """Statements of a claim about whole recordings, about what comes before a change, and after one: each by itself."""
     claim, prepared = held.claim, fits.now.prepared
     known = [spread.number(at + k) for k in range(len(numbers))]
@@ -210,7 +263,7 @@ def _told(fits: Fits, held: Claimed, numbers: Float, spread: _Spread, at: int) -
     told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
     for group, x, w in zip(held.groups, claim.usual + numbers, known, strict=True):
         for j in group:
-            part = fits.parts[j]
+            part = parts[j]
             halved = not part.whole and not all(i in group for i in fits.everyone[part.recording])
             kind = "whole" if not halved else "until" if part.start == 0 else "from"
             values, spans = told.setdefault(kind, ({}, {}))

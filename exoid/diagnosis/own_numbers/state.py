@@ -13,6 +13,7 @@ from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.hypotheses import Claim, StateColumn
 from exoid.measurement.reading.names import joints_of
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Float
 
 Cuts = dict[int, int]
 """{recording: its kept sample from which on something may be different}, by index."""
@@ -60,12 +61,15 @@ def state_columns(now: FittedModel) -> tuple[StateColumn, ...]:
 
 @dataclass(frozen=True)
 class Part:
-    """The kept samples `start` to `stop` of a recording (index): the whole of it, or what is before or after a cut."""
+    """The kept samples `start` to `stop` of a recording (index): the whole of it, or what is before or after a cut,
+    which is at the time `cut` s where that is known better than to a kept sample.
+    """
 
     recording: int
     start: int
     stop: int
     samples: int
+    cut: float | None = None
 
     @property
     def kept(self) -> slice:
@@ -85,8 +89,19 @@ class Part:
     def span(self, prepared: Prepared) -> tuple[float | None, float | None]:
         """From when and until when it lasts, in s of the recording's own time; None for its beginning and end."""
         times = prepared.all[self.recording].t
-        start, stop = (float(times[k]) if 0 < k < self.samples else None for k in (self.start, self.stop))
-        return start, stop
+
+        def time(k: int) -> float | None:
+            at = float(times[k]) if self.cut is None and 0 < k < self.samples else self.cut
+            return at if 0 < k < self.samples else None
+
+        return time(self.start), time(self.stop)
+
+    def share(self, t: Float, prepared: Prepared) -> Float:
+        """Part (N,) of each sample at times `t` that lies in it: 0 or 1, but where it begins or ends."""
+        start, stop = self.span(prepared)
+        step = (t[-1] - t[0]) / max(1, len(t) - 1)
+        since, left = (0.5 if end is None else sign * (t - end) / step for sign, end in ((1, start), (-1, stop)))
+        return np.clip(since + 0.5, 0.0, 1.0) * np.clip(left + 0.5, 0.0, 1.0) * np.ones(len(t))
 
 
 def parts_of(blocks: Sequence[RecordingEvidence], cuts: Cuts) -> tuple[Part, ...]:

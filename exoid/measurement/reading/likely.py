@@ -13,6 +13,7 @@ from exoid.measurement.reading.names import FOREIGN, WORDS, joints_of, quantity_
 from exoid.measurement.reading.raw import RawColumn
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.motion import Float
+from exoid.symbolic.units import QUANTITIES, plain_unit
 
 HINTS: Mapping[str, frozenset[str]] = {
     "q": frozenset((*WORDS["q"], "encoder", "enc", "counts", "ticks", "steps", "potentiometer", "tilt", "state")),
@@ -70,7 +71,7 @@ def _guessed(
     found: dict[str, str] = {}
     for quantity in ("q", "tau"):
         lacking = [name for name in missing if quantity_of(name) == quantity]
-        hinted = [c for c in usable if HINTS[quantity] & words_in(c.name) and not OTHERS & words_in(c.name)]
+        hinted = [c for c in usable if _says(c, quantity) and not OTHERS & words_in(c.name)]
         found |= _of_joints(lacking, hinted, joints) if lacking else {}
         if quantity == "q" and lacking and not found and time is not None:
             found |= dict(zip(lacking, _with_rates(usable, time), strict=False))
@@ -79,6 +80,11 @@ def _guessed(
         if name not in found and (close := nearest(name, rest, 1, cutoff=0.5)):
             found[name] = close[0]
     return found
+
+
+def _says(column: RawColumn, quantity: str) -> bool:
+    """True if a word of the column's name or its unit is of this quantity."""
+    return bool(HINTS[quantity] & words_in(column.name)) or plain_unit(column.unit) in QUANTITIES[quantity]
 
 
 def _measured(column: RawColumn) -> bool:

@@ -99,9 +99,7 @@ GREEK = {
     "ω": " omega ",
 }
 _OF_UNIT = {"rad": "q", "m/s²": "ddx"}
-BASE: Mapping[str, str] = {
-    name: _OF_UNIT[unit] for name, unit in (*BASE_COLUMNS.items(), *SPACE_BASE_COLUMNS.items())
-}
+BASE: Mapping[str, str] = {name: _OF_UNIT[unit] for name, unit in (*BASE_COLUMNS.items(), *SPACE_BASE_COLUMNS.items())}
 """Columns of a measured base, and what quantity each is."""
 CARRIERS = ("base", "backpack", "pelvis", "trunk")
 BASE_WORDS: Mapping[str, str] = {
@@ -152,8 +150,7 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
         return ColumnMeaning(f"{quantity}{joint_names(joints).index(own) + 1}", rank=-1)
     for sign, word in GREEK.items():
         name = name.replace(sign, word)
-    if not name.isascii():
-        name = "".join(c for c in unicodedata.normalize("NFD", name) if not unicodedata.combining(c))
+    name = _without_accents(name)
     if base := _of_base(name, SPACE_BASE_WORDS if is_spatial(joints) else BASE_WORDS):
         return base
     name = name.removeprefix("Model Root/")  # dSPACE names the block diagram so; "model" elsewhere is no measurement
@@ -202,7 +199,7 @@ def _of_base(name: str, known: Mapping[str, str]) -> ColumnMeaning | None:
 
 def words_in(name: str) -> frozenset[str]:
     """Return the words of a name in small letters: "LeftHipMotor1" -> left, hip, motor, 1."""
-    return frozenset(word for word in re.split(r"[\W_]+", _spaced(name).lower()) if word)
+    return frozenset(word for word in re.split(r"[\W_]+", _spaced(_without_accents(name)).lower()) if word)
 
 
 def is_set_point(name: str, joints: tuple[Joint, ...]) -> bool:
@@ -342,8 +339,7 @@ def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning 
 
 def joints_of(name: str, joints: tuple[Joint, ...]) -> frozenset[int]:
     """Return the joints that a name names, counted from 1, whatever else it says."""
-    words = re.split(r"[\W_]+", _spaced(name).lower())
-    return frozenset(_joint(word, joints) for word in words) - {0}
+    return frozenset(_joint(word, joints) for word in words_in(name)) - {0}
 
 
 def _sorted_out(parts: Sequence[str], joints: tuple[Joint, ...]) -> _Part:
@@ -394,6 +390,14 @@ def _joint(word: str, joints: tuple[Joint, ...]) -> int:
         if word == joint.name.lower() or word in SYNONYMS.get(joint.name.lower(), ()):
             return number
     return 0
+
+
+def _without_accents(name: str) -> str:
+    return (
+        name
+        if name.isascii()
+        else "".join(c for c in unicodedata.normalize("NFD", name) if not unicodedata.combining(c))
+    )
 
 
 def _spaced(name: str) -> str:

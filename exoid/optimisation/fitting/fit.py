@@ -110,6 +110,14 @@ class Fit(AsJson):
         text = "shape parameters: best known of a wide and of local searches, not proven"
         return text if self.agreeing is None else f"{text}; {self.agreeing[0]} of {self.agreeing[1]} starts agree"
 
+    @property
+    def start(self) -> Float | None:
+        """Where a fit of the same model to other versions of the recordings may begin: shape values (S,), (R, S) where
+        recordings have their own; None for a model without any.
+        """
+        own = any(entry.shape.per_recording for entry in self.model.shapes)
+        return (self.shapes if own else self.shape) if self.model.shapes else None
+
     def estimate(self, name: str) -> Estimate:
         """Return the estimate called `name`."""
         return {e.name: e for e in self.estimates}[name]

@@ -90,9 +90,7 @@ def neighbours(fit: Fit, model: Model, prepared: Prepared, recordings: Sequence[
         cutoff = factor * prepared.choice.cutoff
         try:
             again = prepare(model, recordings, cutoff=cutoff, derivative=prepared.derivative)
-            own = any(entry.shape.per_recording for entry in model.shapes)
-            start = (fit.shapes if own else fit.shape) if fit.shape.size else None
-            near = identify(model, again.train, optimisers=(), start=start, physical=fit.held is not None)
+            near = identify(model, again.train, optimisers=(), start=fit.start, physical=fit.held is not None)
         except ExoidError:  # too fast for the recordings' clock: then there is no such neighbour
             continue
         cutoffs.append(cutoff)
