@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 SECONDS_SHOWN = 15.0
 BINS = 24
 LEAST_IN_BIN = 12
-UPRIGHT = 5
+UPRIGHT = 3
 """Bars of steps that have room for their names below them."""
 
 BEFORE: Mapping[str, Any] = {"color": FAINT, "linestyle": (0, (3, 1.5)), "linewidth": 1.1}
