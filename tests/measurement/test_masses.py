@@ -58,6 +58,7 @@ def test_masses_of_a_robot_file_stay_in_the_model_file(tmp_path):
     assert [joint.body for joint in again.joints] == [joint.body for joint in model.joints]
 
 
+@pytest.mark.slow
 def test_a_real_arm_whose_motors_were_logged(shared_data):
     where = shared_data / "arm_kr300"
     model = read_model(where / "kr300.urdf")
@@ -68,6 +69,9 @@ def test_a_real_arm_whose_motors_were_logged(shared_data):
     assert [part.partition("-motor-torque=")[0] for part in line.split(",")] == [f"a{k}" for k in range(1, 7)]
     read = [read_recording(where / f"run_{name}.csv", joints=model.joints, convention=line) for name in "ABC"]
     assert not check_masses(read, model.joints, model.pull)
+    again = discover(model, read)
+    assert "rotor_inertia:a3" in [one.name for one in again.accepted]
+    assert not [one.name for one in again.accepted if "drift" in one.name]
 
 
 @pytest.mark.parametrize(("name", "file"), [("ur10", "exciting.csv"), ("tx40", "run.csv")])
