@@ -1,9 +1,10 @@
-"""`exoid discover` on arms as they are recorded: processor seconds and peak memory, after the first derivation.
+"""`exoid discover` on arms as they are recorded, beside the leg: processor and peak memory, as times those of the demo.
 
-    python benchmarks/arm_speed.py [--joints 6 7] [--keep FOLDER]
+    python benchmarks/arm_speed.py [--joints 6 7] [--shorter N] [--keep FOLDER]
 
 Each arm is one of `pinocchio_arms.py` with load friction at the second joint and an offset of the last torque sensor,
-in five recordings of 33 to 58 s at 125 Hz, one of them held out. Nothing is asserted. Needs the extra `peers`.
+in five recordings of 33 to 58 s at 125 Hz (N times less), one of them held out; where EXOID_SHARED_DATA names the
+folder of example recordings, that of the UR10 too. All after the first derivation. Nothing is asserted. Needs `peers`.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ SECONDS, RATE, OFFSET = (33.0, 39.0, 45.0, 52.0, 58.0), 125.0, 0.6
 """s and Hz of the recordings; N·m that the last sensor reads too much."""
 
 
-def write(folder: Path, joints: int) -> list[str]:
+def write(folder: Path, joints: int, shorter: float) -> list[str]:
     """Write model and recordings of an arm; return what `exoid discover` is asked."""
     from benchmarks.pinocchio_arms import Arm, simulate
     from exoid.measurement.recording import to_csv
@@ -40,38 +41,63 @@ def write(folder: Path, joints: int) -> list[str]:
     model = model_of(spatial_machine(parse_robot(arm.text.encode())).model)
     files = []
     for k, seconds in enumerate(SECONDS):
-        run = simulate(arm, rng, f"run_{k}", model, seconds, RATE)
+        run = simulate(arm, rng, f"run_{k}", model, seconds / shorter, RATE)
         run.tau.setflags(write=True)
         run.tau[:, -1] += OFFSET
         files.append(folder / f"arm_{joints}_{k}.csv")
         files[-1].write_bytes(to_csv(run))
-    model.columns(_still(joints))  # derived, compiled and kept
     return ["discover", *map(str, files[:-1]), "--verify", str(files[-1]), "--model", str(machine)]
 
 
-def _still(joints: int) -> object:
+def leg() -> list[str]:
+    """Return what `exoid discover` is asked of the demo's leg."""
+    demo = ROOT / "exoid" / "workbench" / "demo_data"
+    return ["discover", *(str(demo / f"train_{k}.csv") for k in (1, 2, 3)), "--verify", str(demo / "verify.csv")]
+
+
+def real() -> list[str]:
+    """Return what it is asked of the UR10; nothing where its recording is not there."""
+    where = Path(os.environ.get("EXOID_SHARED_DATA", "")) / "arm_ur10"
+    found = "EXOID_SHARED_DATA" in os.environ and where.is_dir()
+    return ["discover", str(where / "exciting.csv"), "--model", str(where / "ur10.urdf")] if found else []
+
+
+def measured(asked: list[str]) -> tuple[float, float, str]:
+    """Return processor seconds, peak MB and what a command said, once what it derives is kept."""
+    from exoid.symbolic.model import Model, read_model
     from exoid.symbolic.motion import Motion
 
-    none = np.zeros((2, joints))
-    return Motion(np.arange(2.0), none, none, none)
+    model = read_model(asked[-1]) if "--model" in asked else Model.standard()
+    none = np.zeros((2, len(model.joints)))
+    model.columns(Motion(np.arange(2.0), none, none, none))  # derived, compiled and kept
+    process = subprocess.Popen([sys.executable, "-m", "exoid", *asked], cwd=ROOT, stdout=subprocess.PIPE)
+    said = process.stdout.read().decode() if process.stdout else ""
+    _, status, usage = os.wait4(process.pid, 0)
+    if status:
+        raise SystemExit(f"exoid {' '.join(asked)} failed: {said}")
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, said
 
 
 def main() -> None:
     """Make each arm, and run the command as a user would."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--joints", type=int, nargs="+", default=[6, 7])
+    parser.add_argument("--shorter", type=float, default=1.0, metavar="N", help="make recordings N times shorter")
     parser.add_argument("--keep", type=Path, help="make the files in this folder and leave them there")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         folder = args.keep or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
-        for joints in args.joints:
-            asked = write(folder, joints)
-            process = subprocess.Popen([sys.executable, "-m", "exoid", *asked], cwd=ROOT, stdout=subprocess.PIPE)
-            said = process.stdout.read().decode() if process.stdout else ""
-            _, _, usage = os.wait4(process.pid, 0)
-            busy = usage.ru_utime + usage.ru_stime
-            print(f"{joints} joints: processor {busy:.0f} s, peak {usage.ru_maxrss / 1024:.0f} MB")
+        arms = {f"{joints} joints": write(folder, joints, args.shorter) for joints in args.joints}
+        of_leg, room, _ = measured(leg())
+        print(f"leg: processor {of_leg:.1f} s, peak {room:.0f} MB")
+        for name, asked in {**arms, "UR10, one recording": real()}.items():
+            if not asked:
+                print(f"{name}: not there (EXOID_SHARED_DATA)")
+                continue
+            busy, peak, said = measured(asked)
+            times = f"{busy / of_leg:.1f} and {peak / room:.1f} times the leg"
+            print(f"{name}: processor {busy:.1f} s, peak {peak:.0f} MB, {times}")
             print("  " + "\n  ".join(said.strip().splitlines()[:6]), flush=True)
 
 

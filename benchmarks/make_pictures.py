@@ -4,12 +4,14 @@
 the head of the report; the last two need a Chromium. Each carries the text that is to be read on it (`Description`).
 
 python benchmarks/make_pictures.py rivals    `docs/rivals.png`: the contest of `exoid rivals` with 51 seeds, minutes
+python benchmarks/make_pictures.py arm       `docs/arm.png`: the arm of docs/machines.md, from EXOID_SHARED_DATA
 python benchmarks/make_pictures.py --check exoid-demo/result.json    exit status 1 where `exoid demo` says otherwise
 """
 
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
 import tempfile
@@ -33,6 +35,9 @@ def main() -> int:
         return 1 if old else 0
     if "rivals" in sys.argv[1:]:
         draw_rivals()
+        return 0
+    if "arm" in sys.argv[1:]:
+        draw_arm()
         return 0
     draw_falling()
     photograph()
@@ -76,6 +81,17 @@ def draw_rivals() -> None:
     target = DOCS / "rivals.png"
     exoid.rivals().plot().savefig(target, dpi=110)
     keep(target, "")
+
+
+def draw_arm() -> None:
+    """The falling error of a real arm."""
+    import exoid
+
+    where, target = Path(os.environ["EXOID_SHARED_DATA"]) / "arm_tx40", DOCS / "arm.png"
+    model = exoid.read_model(where / "tx40.urdf")
+    figure = exoid.discover(model, where / "run.csv").plot()
+    figure.savefig(target, dpi=90)
+    keep(target, " ".join(text.get_text() for axes in figure.axes for text in axes.texts))
 
 
 def photograph() -> None:

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 SECONDS_SHOWN = 15.0
 BINS = 24
 LEAST_IN_BIN = 12
+UPRIGHT = 5
+"""Bars of steps that have room for their names below them."""
 
 BEFORE: Mapping[str, Any] = {"color": FAINT, "linestyle": (0, (3, 1.5)), "linewidth": 1.1}
 """Look of the model before something was added, beside the one after."""
@@ -50,28 +52,37 @@ def falling_error(
     joints: Sequence[str] = JOINTS,
     unit: str = "N·m",
 ) -> Figure:
-    """Draw the RMS error (steps, J) in `unit` from step to step, fitted and unseen, with the noise floor (J,)."""
+    """Draw the RMS error (steps, J) in `unit` from step to step, fitted and unseen, with the noise floor (J,).
+
+    Bars lie where they are more than `UPRIGHT`: the names of the steps then stand at the left of a row of panels.
+    """
+    lie = len(names) > UPRIGHT
     with figure_style():
         rows = -(-len(joints) // 2)
-        figure = new_figure(8.0, 3.8 * rows)
-        panels = figure.subplots(rows, min(2, len(joints)), squeeze=False).ravel()
+        figure = new_figure(8.0, (1.0 + 0.26 * len(names) if lie else 3.8) * rows)
+        panels = figure.subplots(rows, min(2, len(joints)), squeeze=False, sharey=lie).ravel()
         for spare in panels[len(joints) :]:
             spare.remove()
         place = np.arange(len(names), dtype=float)
         for j, (joint, colour) in enumerate(joint_colours(joints).items()):
             axes = panels[j]
+            bars = axes.barh if lie else axes.bar
             if unseen is not None:
-                axes.bar(place - 0.2, fitted[:, j], 0.36, color=colour, alpha=0.45)
-                axes.bar(place + 0.2, unseen[:, j], 0.36, color=colour)
-                _numbers(axes, place + 0.2, unseen[:, j])
+                bars(place - 0.2, fitted[:, j], 0.36, color=colour, alpha=0.45)
+                bars(place + 0.2, unseen[:, j], 0.36, color=colour)
+                _numbers(axes, place + 0.2, unseen[:, j], lie)
             else:
-                axes.bar(place, fitted[:, j], 0.5, color=colour)
-                _numbers(axes, place, fitted[:, j])
-            axes.axhline(noise_floor[j], color=INK, linestyle="--", linewidth=1.0)
-            axes.set_xticks(place, [fill(name, 20) for name in names], fontsize=8)
-            axes.set(title=joint, ylabel=label("RMS error", unit))
-            axes.margins(y=0.18)
-            axes.grid(axis="x", visible=False)
+                bars(place, fitted[:, j], 0.5, color=colour)
+                _numbers(axes, place, fitted[:, j], lie)
+            (axes.axvline if lie else axes.axhline)(noise_floor[j], color=INK, linestyle="--", linewidth=1.0)
+            if lie:
+                axes.set_yticks(place, [fill(name, 40) for name in names], fontsize=8)
+                axes.set(title=joint, xlabel=label("RMS error", unit), ylim=(len(names) - 0.4, -0.6))
+            else:
+                axes.set_xticks(place, [fill(name, 20) for name in names], fontsize=8)
+                axes.set(title=joint, ylabel=label("RMS error", unit))
+            axes.margins(**{"x" if lie else "y": 0.18})
+            axes.grid(axis="y" if lie else "x", visible=False)
         figure.legend(handles=_key(unseen is not None), loc="outside lower center", ncols=3)
     return figure
 
@@ -86,11 +97,12 @@ def _key(unseen: bool) -> list[Any]:
     return [*bars, Line2D([], [], color=INK, linestyle="--", linewidth=1.0, label="noise floor")]
 
 
-def _numbers(axes: Any, place: Float, values: Float) -> None:
-    for x, y in zip(place, values, strict=True):
+def _numbers(axes: Any, place: Float, values: Float, lie: bool) -> None:
+    above = {"xytext": (3, 0), "va": "center"} if lie else {"xytext": (0, 3), "ha": "center"}
+    for at, value in zip(place, values, strict=True):
         axes.annotate(
-            f"{y:.2g}", (x, y), (0, 3), textcoords="offset points", ha="center", fontsize=8, color=INK,
-            bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 0.8},
+            f"{value:.2g}", (value, at) if lie else (at, value), textcoords="offset points", fontsize=8, color=INK,
+            **above, bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 0.8},
         )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import DiscoverySettings
 from exoid.diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
 from exoid.ground.progress import Progress
+from exoid.measurement.auditing.masses import MASSES
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
@@ -89,9 +90,12 @@ class Question:
         """Search beside `base`, the model as it was `fitted`; `found` hears of every step, `read` fits it to the
         recordings in another convention.
 
-        That channels are misread, or that something outside pushes, has to beat the machine with its best effects.
+        That channels are misread, or that something outside pushes, has to beat the machine with its best effects. Not
+        that torques are too small for its masses: no effect speaks of their size.
         """
         prepared = base.prepared
+        if any(finding.check == MASSES for finding in prepared.misread):
+            return self._answered(base, check_channels(prepared.misread), tick)
         if prepared.misread:
             given = as_given(base)
             rival = self.search(given, tick) if may_leave_noise(given, self.rules) else None

@@ -20,6 +20,7 @@ from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.text import digits
 from exoid.ground.ties import index_of_greatest, least_of
+from exoid.measurement.auditing.masses import MASSES
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.symbolic.effect import Effect
@@ -324,9 +325,12 @@ def _size(error: ModelError | None) -> str:
 
 def check_channels(misread: Sequence[Finding]) -> Conclusion:
     """Return the conclusion where physics says that the recordings keep another convention than exoid's."""
+    far = any(finding.check == MASSES for finding in misread)
     return Conclusion(
         "check_channels",
-        "another reading of the channels explains the torques far better than the one they were given in",
+        "the torques are far smaller than the masses in the robot file ask for"
+        if far
+        else "another reading of the channels explains the torques far better than the one they were given in",
         "The channels cannot be what they say. " + " ".join(f"{f.where}: {f.what}." for f in misread),
         "no effect is looked for in recordings whose channels are in doubt",
         "nothing yet; first " + "; ".join(dict.fromkeys(f.remedy.removeprefix("if so, ") for f in misread)),

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from exoid.ground.errors import EffectError
@@ -94,7 +94,8 @@ class Joint:
     `parent` is the joint whose link carries this one, "base" for the base, None for the joint before. The axis is made
     a unit vector; three numbers are an origin without rotation. EffectError for an axis or an origin that is none.
     `motor` says how far the motor of its name turns (rad) for each rad of joints, {joint: ratio}: its gear, and what
-    couples it to others; empty where motors are not spoken of.
+    couples it to others; empty where motors are not spoken of. `body` is what a robot's file says of the link: mass kg,
+    centre of mass (3,) m in the joint's frame, inertia about that (xx, xy, xz, yy, yz, zz); it is fitted, not believed.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Joint:
     axis: Vector | None = None
     origin: Origin | None = None
     motor: tuple[tuple[str, float], ...] = ()
+    body: tuple[float, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "motor", tuple(dict(self.motor).items()))

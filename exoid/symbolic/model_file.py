@@ -145,6 +145,9 @@ def _joint_content(model: ModelStructure, joint: Joint) -> dict[str, Any]:
         content["axis"] = list(joint.axis)
     if joint.origin is not None:
         content["origin"] = {"xyz": list(joint.origin.xyz), "rpy": list(joint.origin.rpy)}
+    if joint.body:
+        mass, *others = joint.body
+        content["body"] = {"mass": mass, "centre": others[:3], "inertia": others[3:]}
     limit = model.limits.get(joint.name)
     if limit is not None:
         ends = list(limit.angle) if math.isfinite(limit.angle[0]) else None
@@ -363,7 +366,7 @@ def _moving_base(top: Table) -> bool:
 
 
 def _joint(entry: Table) -> Joint:
-    entry.only("name", "kind", "length", "parent", "axis", "origin", "position", "velocity", "acceleration")
+    entry.only("name", "kind", "length", "parent", "axis", "origin", "body", "position", "velocity", "acceleration")
     length = entry.number("length", least=0.0) if "length" in entry.values else None
     parent = entry.text("parent") if "parent" in entry.values else None
     axis, origin = None, None
@@ -382,7 +385,12 @@ def _joint(entry: Table) -> Joint:
             origin = Origin((x, y, z), (roll, pitch, yaw))
         except EffectError as error:
             raise entry.error("origin", error.what, error.remedy) from error
-    return Joint(entry.text("name"), entry.text("kind", "revolute"), length, parent, axis, origin)
+    body: tuple[float, ...] = ()
+    if "body" in entry.values:
+        said = entry.table("body")
+        said.only("mass", "centre", "inertia")
+        body = (said.number("mass", above=0.0), *said.numbers("centre", 3), *said.numbers("inertia", 6))
+    return Joint(entry.text("name"), entry.text("kind", "revolute"), length, parent, axis, origin, body=body)
 
 
 def _joint_limits(entry: Table) -> Limits | None:

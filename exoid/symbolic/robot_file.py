@@ -198,6 +198,21 @@ def numbers_of(element: Element, key: str, default: Sequence[float], where: str)
     return values
 
 
+def inertia_of(robot: RobotFile, link: str, where: str) -> Float:
+    """Return the inertia (3, 3) of a link about its centre of mass, in the world at the file's zero; zero if unsaid."""
+    element = next((item for item in robot.root.iter("link") if item.get("name") == link), None)
+    inertial = None if element is None else element.find("inertial")
+    inertia = None if inertial is None else inertial.find("inertia")
+    joint = next((entry for entry in robot.joints.values() if entry.child == link), None)
+    if inertial is None or inertia is None or joint is None:
+        return np.zeros((3, 3))
+    xx, xy, xz, yy, yz, zz = (
+        float(numbers_of(inertia, key, (0.0,), where)[0]) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    )
+    turned = joint.frame @ origin_of(inertial, where)[1]
+    return np.asarray(turned @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turned.T)
+
+
 def origin_of(element: Element, where: str) -> tuple[Float, Float]:
     """Return place (3,) and orientation (3, 3) of an element's <origin>."""
     from scipy.spatial.transform import Rotation

@@ -23,10 +23,11 @@ from exoid.symbolic.planar_machine import (
     chosen_joints,
     held_still,
     limits_in,
+    moving_with,
     plain_name,
     planar_machine,
 )
-from exoid.symbolic.robot_file import RobotFile, RobotJoint, numbers_of
+from exoid.symbolic.robot_file import RobotFile, RobotJoint, inertia_of, numbers_of
 
 ROUNDED = 2e-5
 """rad within which an angle is a right one that was written with few digits: 1.5708, 3.1416. What a machine shows of
@@ -78,13 +79,15 @@ def _spatial(
     chosen = [item.name for item in joints]
     made, notes = [], [f"a spatial machine: {why}"] if why else []
     rounded = False
+    groups = moving_with(robot, joints)
     for k, (element, carrier) in enumerate(zip(joints, carriers, strict=True)):
         origin, moved = _origin(robot, element, None if carrier is None else joints[carrier], where)
         axis, turned = _axis(element, where)
         rounded = rounded or moved or turned
         kind = "prismatic" if element.kind == "prismatic" else "revolute"
         above = carrier_name(k, carrier, chosen)
-        made.append(Joint(plain_name(element.name), kind, None, above, axis=axis, origin=origin))
+        body = _body(robot, element, groups[k], where)
+        made.append(Joint(plain_name(element.name), kind, None, above, axis=axis, origin=origin, body=body))
         if made[-1].name != element.name:
             notes.append(f"joint {element.name!r} is called {made[-1].name} in the model")
     if rounded:
@@ -93,6 +96,27 @@ def _spatial(
     limits = {joint.name: limit for joint, item in zip(made, joints, strict=True) if (limit := limits_in(item, where))}
     model = ModelStructure(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     return RobotMachine(model, tuple(chosen), tuple(notes))
+
+
+def _body(robot: RobotFile, joint: RobotJoint, group: Sequence[str], where: str) -> tuple[float, ...]:
+    """The body that the file's links make which move with a joint, as `Joint.body`; () where they have no mass."""
+    mass, first, about = 0.0, np.zeros(3), np.zeros((3, 3))
+    for link in group:
+        if link in robot.masses:
+            own, place = robot.masses[link]
+            step = joint.frame.T @ (place - joint.place)
+            mass, first = mass + own, first + own * step
+            about += joint.frame.T @ inertia_of(robot, link, where) @ joint.frame + own * _steiner(step)
+    if not mass > 0.0:
+        return ()
+    centre = first / mass
+    tensor = about - mass * _steiner(centre)
+    return tuple(round(float(x), DIGITS) + 0.0 for x in (mass, *centre, *tensor[np.triu_indices(3)]))
+
+
+def _steiner(step: Float) -> Float:
+    """Return the inertia (3, 3) of 1 kg at `step` (3,) m."""
+    return np.asarray(step @ step * np.eye(3) - np.outer(step, step))
 
 
 def _origin(robot: RobotFile, one: RobotJoint, carrier: RobotJoint | None, where: str) -> tuple[Origin, bool]:

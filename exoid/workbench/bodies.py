@@ -5,11 +5,16 @@ base parameters exactly, and what such a file cannot carry.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from exoid.ground.text import in_comment
-from exoid.optimisation.linear.bodies import Body3D, nearest_bodies
+from exoid.optimisation.linear.bodies import Body3D, gyration, nearest_bodies
 from exoid.optimisation.linear.links import LinkInertia, nearest_links
+from exoid.symbolic.joints import Joint
 from exoid.symbolic.mechanics.base_parameters import pull_of
+from exoid.symbolic.mechanics.spatial import KINDS
+from exoid.symbolic.mechanics.spatial_energy import pseudo_inertia
+from exoid.symbolic.model import Model
 from exoid.symbolic.term import Term
 from exoid.workbench.identified import ExportError, Ready
 
@@ -51,20 +56,38 @@ def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[L
     return found
 
 
-def bodies_of(ready: Ready, near: Sequence[Body3D] | None = None) -> tuple[Body3D, ...]:
-    """Return bodies of a spatial machine with the identified numbers, nearest to `near`; ExportError where none have
-    them.
+def bodies_of(ready: Ready, joints: Sequence[Joint] = ()) -> tuple[Body3D, ...]:
+    """Return bodies of a spatial machine with the identified numbers, nearest to what a robot file says of those of its
+    `joints` (default: the model's); ExportError where none have them.
     """
     import numpy as np
 
     model = ready.model
-    found = nearest_bodies(model, np.array([ready.linear[p.name] for p in model.inertial]), near, patient=True)
+    phi = np.array([ready.linear[p.name] for p in model.inertial])
+    found = nearest_bodies(model, phi, _known_bodies(model, joints or model.joints), patient=True)
     if found is None:
         raise ExportError(
             f"no machine of positive masses has the numbers Φ1 to Φ{len(model.inertial)}",
             remedy="identify with --physical or on richer motion; the other formats carry these numbers",
         )
     return found
+
+
+def _known_bodies(model: Model, joints: Sequence[Joint]) -> tuple[Body3D, ...] | None:
+    """Bodies (J,) that a robot file has, round ones where it has none that can be; None where it has no mass at all."""
+    import numpy as np
+
+    lightest = min((joint.body[0] for joint in joints if joint.body), default=None)
+    if lightest is None:
+        return None
+    round_ = gyration(model) ** 2 * np.eye(3)
+    found = []
+    for joint in joints:
+        mass, x, y, z, xx, xy, xz, yy, yz, zz = joint.body or (lightest, *[0.0] * 9)
+        body = Body3D(mass, np.array([x, y, z]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+        possible = np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, body.numbers, strict=True))))[0] > 0.0
+        found.append(body if possible else replace(body, inertia=mass * round_))
+    return tuple(found)
 
 
 def gravity_of(ready: Ready) -> tuple[float, float, float]:

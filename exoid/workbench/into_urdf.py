@@ -14,16 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
-from exoid.optimisation.linear.bodies import Body3D, body_of
 from exoid.optimisation.linear.links import LinkInertia, tree_of
 from exoid.symbolic.joints import HERE, Joint, parents
-from exoid.symbolic.mechanics.spatial import KINDS, rotation
-from exoid.symbolic.mechanics.spatial_energy import pseudo_inertia
-from exoid.symbolic.motion import Float
+from exoid.symbolic.mechanics.spatial import rotation
 from exoid.symbolic.planar_machine import PlanarMachine, moving_with, plain_name, planar_machine
-from exoid.symbolic.robot_file import RobotFile, RobotJoint, numbers_of, origin_of, parse_robot, read_bytes
+from exoid.symbolic.robot_file import RobotFile, RobotJoint, inertia_of, parse_robot, read_bytes
 from exoid.symbolic.spatial_machine import spatial_machine
-from exoid.workbench.bodies import bodies_of, friction_of, left_out, links_of
+from exoid.workbench.bodies import bodies_of, friction_of, left_out, links_of, terms_of
 from exoid.workbench.export.urdf import inertial_of
 from exoid.workbench.identified import ExportError, Ready
 
@@ -52,7 +49,10 @@ def into_urdf(ready: Ready, path: str | Path) -> tuple[bytes, tuple[str, ...]]:
     robot = parse_robot(data, where)
     joints = _named(ready, robot, where)
     groups = moving_with(robot, joints)
-    texts = (_in_space if ready.model.spatial else _in_a_plane)(ready, robot, joints, groups, where)
+    texts = (
+        _in_space(ready, robot, joints, where) if ready.model.spatial
+        else _in_a_plane(ready, robot, joints, groups, where)
+    )  # fmt: skip
     spans = _spans(data, where)
     edits: list[tuple[int, int, bytes]] = []
     notes: list[str] = []
@@ -69,7 +69,9 @@ def into_urdf(ready: Ready, path: str | Path) -> tuple[bytes, tuple[str, ...]]:
         edits.append(_placed(spans, data, ("joint", joint.name), "dynamics", text))
     missing = left_out(ready)
     if missing != "nothing":
-        notes.append(f"URDF cannot carry {missing}")
+        rotors = {joint: ready.linear[f"{term.name}.c"] for joint, term in terms_of(ready, "rotor_inertia").items()}
+        sizes = ", ".join(f"{joint} {size:.4g}" for joint, size in rotors.items())
+        notes.append(f"URDF cannot carry {missing}" + (f"; armature in a simulator: {sizes} kg·m²" if sizes else ""))
     for start, end, new in sorted(edits, reverse=True):
         data = data[:start] + new + data[end:]
     parse_robot(data, where)  # what is written can be read
@@ -93,9 +95,7 @@ def _in_a_plane(
     ]
 
 
-def _in_space(
-    ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], groups: Sequence[Sequence[str]], where: str
-) -> list[str]:
+def _in_space(ready: Ready, robot: RobotFile, joints: Sequence[RobotJoint], where: str) -> list[str]:
     """Return the same for a spatial machine."""
     found = spatial_machine(robot, [joint.name for joint in joints], where=where).model
     for mine, other in zip(ready.model.joints, found.joints, strict=True):
@@ -108,9 +108,7 @@ def _in_space(
     if parents(ready.model.joints) != parents(found.joints):
         raise ExportError("its joints hang from each other otherwise than in the model", where=where,
                           remedy="make the model from this file (exoid model --from-urdf) and identify it")  # fmt: skip
-    known = [_known_body(robot, joint, group, where) for joint, group in zip(joints, groups, strict=True)]
-    near = [item for item in known if item is not None]
-    return [inertial_of(entry) for entry in bodies_of(ready, near if len(near) == len(known) else None)]
+    return [inertial_of(entry) for entry in bodies_of(ready, found.joints)]
 
 
 def _same_place(mine: Joint, other: Joint) -> bool:
@@ -123,22 +121,6 @@ def _same_place(mine: Joint, other: Joint) -> bool:
         for joint, place in zip((mine, other), places, strict=True)
     )
     return mine.kind == other.kind and bool(np.abs(first - second).max() <= SAME_LENGTH)
-
-
-def _known_body(robot: RobotFile, joint: RobotJoint, group: Sequence[str], where: str) -> Body3D | None:
-    """Return the file's body that moves with a joint, in its frame; None where it is no body."""
-    import numpy as np
-
-    numbers = np.zeros(10)
-    for link in group:
-        if link in robot.masses:
-            own, place = robot.masses[link]
-            tensor = joint.frame.T @ _tensor(robot, link, where) @ joint.frame
-            numbers = numbers + Body3D(own, joint.frame.T @ (place - joint.place), tensor).numbers
-    if not numbers[-1] > 0.0:
-        return None
-    positive = np.linalg.eigvalsh(pseudo_inertia(dict(zip(KINDS, numbers, strict=True))))[0] > 0.0
-    return body_of(numbers) if positive else None
 
 
 def _named(ready: Ready, robot: RobotFile, where: str) -> list[RobotJoint]:
@@ -186,7 +168,7 @@ def _known(
         own, place = robot.masses[link]
         step = place - joint.place
         x, y = float(step @ along), float(step @ side)
-        turned = _tensor(robot, link, where)
+        turned = inertia_of(robot, link, where)
         inertia += float(machine.normal @ turned @ machine.normal) + own * (x**2 + y**2)
         first, across, mass = first + own * x, across + own * y, mass + own
     body = LinkInertia(inertia, first, across, mass)
@@ -200,7 +182,7 @@ def _inertial(robot: RobotFile, machine: PlanarMachine, k: int, joint: RobotJoin
     along, normal = machine.along[k], machine.normal
     out = float((robot.masses[joint.child][1] - joint.place) @ normal) if joint.child in robot.masses else 0.0
     centre = one.centre[0] * along + one.centre[1] * np.cross(normal, along) + out * normal
-    tensor = _tensor(robot, joint.child, where)
+    tensor = inertia_of(robot, joint.child, where)
     before = float(normal @ tensor @ normal)
     proper = before > 0.0 and np.linalg.eigvalsh(tensor).min() > 0.0
     scaled = tensor * (one.about_centre / before) if proper else one.about_centre * np.eye(3)
@@ -209,23 +191,6 @@ def _inertial(robot: RobotFile, machine: PlanarMachine, k: int, joint: RobotJoin
     places = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
     entries = " ".join(f'{name}="{float(own[i, j])!r}"' for name, i, j in places)
     return f'<inertial><origin xyz="{xyz}" rpy="0 0 0"/><mass value="{one.mass!r}"/><inertia {entries}/></inertial>'
-
-
-def _tensor(robot: RobotFile, link: str, where: str) -> Float:
-    """Return the inertia (3, 3) of a link about its centre of mass, in the world at the file's zero; zero if unsaid."""
-    import numpy as np
-
-    element = next((item for item in robot.root.iter("link") if item.get("name") == link), None)
-    inertial = None if element is None else element.find("inertial")
-    inertia = None if inertial is None else inertial.find("inertia")
-    joint = next((entry for entry in robot.joints.values() if entry.child == link), None)
-    if inertial is None or inertia is None or joint is None:
-        return np.zeros((3, 3))
-    xx, xy, xz, yy, yz, zz = (
-        float(numbers_of(inertia, key, (0.0,), where)[0]) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    )
-    turned = joint.frame @ origin_of(inertial, where)[1]
-    return np.asarray(turned @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turned.T)
 
 
 def _placed(

@@ -20,6 +20,7 @@ from exoid.ground.thresholds import threshold
 from exoid.ground.ties import index_of_greatest
 from exoid.measurement.auditing.checks.scale import check_scales
 from exoid.measurement.auditing.convention import check_conventions
+from exoid.measurement.auditing.masses import check_masses
 from exoid.measurement.finding import Finding
 from exoid.measurement.forces import force_signals, unused_forces
 from exoid.measurement.overlap import held_apart
@@ -159,7 +160,7 @@ def prepare(
     misread = check_conventions(recordings, model.pull, meant)
     likely = [finding.option for finding in misread if finding.option]
     misread += check_conventions(verify, model.pull, meant, () if misread else recordings, likely)
-    misread = misread or check_scales(recordings)
+    misread = misread or check_scales(recordings) or check_masses(recordings, model.joints, model.pull)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
     rates = () if misread else clock_rates(base, done)

@@ -16,6 +16,9 @@ from exoid.workbench.identified import Options, Ready
 
 HELP = "MJCF (MuJoCo) of the rigid machine with friction, rotor inertias and joint springs"
 CARRIED = ("rotor_inertia", "joint_spring")
+HARD = "0.99 0.999 0.001"
+"""Of MuJoCo's constraint that is dry friction: at its usual one a light wrist moves at 1 rad/s before it has it whole.
+"""
 
 
 def write(ready: Ready, options: Options) -> dict[str, str]:
@@ -45,8 +48,9 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
         f"{options.name}.xml": f"""<?xml version="1.0" encoding="utf-8"?>
 <!-- Written by exoid for MuJoCo. Masses and inertias are one choice of many with the identified parameters.
      {frames}{swaying}
-     frictionloss is Coulomb friction, a constraint of MuJoCo that is a little soft at rest, where the model has the
-     sign of the velocity; damping is viscous friction; armature is the drive's inertia times its gear ratio squared,
+     frictionloss is Coulomb friction, a constraint of MuJoCo that is a little soft at rest, though made hard here
+     (solimpfriction), where the model has the sign of the velocity; damping is viscous friction; armature is the
+     drive's inertia times its gear ratio squared,
      where the bodies do not contain it.
      Effects of the model that MJCF cannot carry: {left_out(ready, CARRIED)}. -->
 <mujoco model="{options.name}">
@@ -90,6 +94,8 @@ def _joint(ready: Ready, joint: Joint, axis: str) -> str:
     damping, friction = friction_of(ready, joint.name)
     kind = "hinge" if joint.turns else "slide"
     entries = {"name": joint.name, "type": kind, "axis": axis, "damping": repr(damping), "frictionloss": repr(friction)}
+    if friction:
+        entries["solimpfriction"] = HARD
     limit = ready.model.limits.get(joint.name)
     if limit is not None and isfinite(limit.angle[0]):
         entries["range"] = f"{limit.angle[0]!r} {limit.angle[1]!r}"
