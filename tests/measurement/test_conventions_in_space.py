@@ -103,6 +103,13 @@ def test_of_several_recordings_the_odd_one_is_named():
     assert finding.remedy == "if so, give --convention run_2=elbow-negated"
 
 
+def test_what_others_should_be_given_is_tried_first_and_taken_only_if_it_fits():
+    run = kept(moved(ARM), "lift-zero=90")
+    for likely in (["lift-zero=90"], ["elbow-negated"], ["elbow-negated", "lift-zero=90"]):
+        (finding,) = check_conventions([run], DOWN, likely=likely)
+        assert finding.option == "lift-zero=90"
+
+
 def test_a_zero_may_lie_at_any_angle_and_a_rails_at_any_place():
     run = moved(RAIL)
     right = read_as(run, "elbow-negated,elbow-zero=-37.5,rail-zero=0.25")

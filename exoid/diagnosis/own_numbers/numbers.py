@@ -171,23 +171,23 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
 
 
 def _cut(fits: Fits, own: OwnNumbers, step: Float, part: Part) -> float | None:
-    """The time in s at which the recording of a part changes, between the kept samples next to its cut; None where it
-    is whole.
+    """Time in s at which the recording of a part changes, between the kept samples next to its cut; None where it is
+    whole.
     """
     if part.whole:
         return None
-    one, before, after = fits.now.prepared.all[part.recording], *fits.everyone[part.recording]
+    recording, before, after = fits.now.prepared.all[part.recording], *fits.everyone[part.recording]
     rows = np.concatenate([fits.rows[before], fits.rows[after]], axis=1)
     use = np.concatenate([fits.use[before], fits.use[after]], axis=1)
     left = rows @ fits.chosen(own.held)[before] @ np.append(-step, 1.0)
-    change = (own.columns(one, after) - own.columns(one, before)) @ own.numbers
-    late, t = own.parts[after], one.motion.t
+    change = (own.columns(recording, after) - own.columns(recording, before)) @ own.numbers
+    late, t = own.parts[after], recording.motion.t
 
     def loss(at: float) -> float:
-        then = one.smooth(replace(late, cut=at).share(t, fits.now.prepared)[:, None] * change.T) * use
+        then = recording.smooth(replace(late, cut=at).share(t, fits.now.prepared)[:, None] * change.T) * use
         return float(huber_terms(np.abs(left - then) / fits.sigma[:, None], fits.rules.robust).sum())
 
-    low, middle, high = (float(one.t[late.start + k]) for k in (-1, 0, 1))
+    low, middle, high = (float(recording.t[late.start + k]) for k in (-1, 0, 1))
     return minimum(loss, low, high, TIME * (high - low))[0] if change.any() else middle
 
 

@@ -86,15 +86,19 @@ class Better:
 
 
 def check_conventions(
-    recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None,
+    recordings: Sequence[Recording],
+    weighs: float | Vector = True,
+    forces: tuple[Force, ...] | None = None,
     beside: Sequence[Recording] = (),
+    likely: Sequence[str] = (),
 ) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
     which little moves fits many machines: what it says alone must not make the fit of all together worse.
     `weighs` says whether the machine moves under gravity, of one in space under which (3,), in m/s², `forces` what its
-    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly.
+    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly, `likely`
+    options that others of it should be given: in space, where asking takes long, they are tried before all readings.
     """
     if not all(map(_known, recordings)):
         return ()
@@ -104,7 +108,7 @@ def check_conventions(
     together = _stands(smoothed_groups(every, weighs, forces))
     if together < LEAST:
         return ()
-    found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces))
+    found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces, likely))
     found = _with_counts(recordings, sets, found)
     if found is None and len(recordings) > 1:
         alone = ((item, better_reading([item], weighs, forces)) for item in _odd(recordings, weighs, forces))
@@ -187,8 +191,11 @@ def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Sm
 
 
 def _read_so(
-    recordings: Sequence[Recording], odd: Sequence[Recording], better: Better,
-    weighs: float | Vector, forces: tuple[Force, ...] | None,
+    recordings: Sequence[Recording],
+    odd: Sequence[Recording],
+    better: Better,
+    weighs: float | Vector,
+    forces: tuple[Force, ...] | None,
 ) -> list[list[Smooth]]:
     """Return all recordings smoothed, of which those that are `odd` are read in another way."""
 
@@ -242,13 +249,14 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
     sure = "possible" if found.rivals or found.then > GAIN else "likely"
     consequence = "every parameter is wrong"
-    return Finding(
-        check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if file else option
-    )
+    return Finding(check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if file else option)
 
 
 def better_reading(
-    recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None
+    recordings: Sequence[Recording],
+    weighs: float | Vector = True,
+    forces: tuple[Force, ...] | None = None,
+    likely: Sequence[str] = (),
 ) -> Better | None:
     """Return the reading that explains all `recordings` far better than they stand; None where none does. Further
     arguments are those of `check_conventions`.
@@ -265,6 +273,12 @@ def better_reading(
     enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
     # Beyond, it would be doubted itself. In space one name of two may leave so little, and both far less.
     settled = min(enough, SLIGHT_GAIN) / (TIMES if is_spatial(joints) else 1.0)
+    if likely and is_spatial(joints):
+        known = [hypothesis(option.split(","), joints) for option in likely]
+        shares = power_left(sets, known)
+        first = index_of_least(shares, 1.0)
+        if shares[first] <= enough:
+            return Better(known[first], now, float(shares[first]), ())
     kinds: list[ConventionHypothesis] = []
     left, quiet = np.zeros(0), quiet_torques(sets)
     still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)
