@@ -85,7 +85,7 @@ class _Search:
         return self._pruned(state)
 
     def _of_everyone(self, state: State) -> State:
-        """What is held already, and of what every recording has whatever pays. What one joint's zeros leave hides those
+        """The state with whatever pays of what every recording has. What one joint's zeros leave hides those
         of another: they are asked again as long as there are more.
         """
         while True:

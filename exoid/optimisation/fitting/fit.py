@@ -112,7 +112,7 @@ class Fit(AsJson):
 
     @property
     def start(self) -> Float | None:
-        """Where a fit of the same model to other versions of the recordings may begin: shape values (S,), (R, S) where
+        """Start of a fit of the same model to other versions of the recordings: shape values (S,), (R, S) where
         recordings have their own; None for a model without any.
         """
         own = any(entry.shape.per_recording for entry in self.model.shapes)
