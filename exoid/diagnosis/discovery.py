@@ -199,9 +199,14 @@ def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) ->
 
 def _on(fit: Fit, prepared: Prepared) -> FittedModel:
     """Return a model on all recordings, whichever of them it was fitted to."""
-    if len(fit.shapes) != len(prepared.train):
-        fit = replace(fit, shapes=np.broadcast_to(fit.shape, (len(prepared.train), len(fit.shape))))
-    return fitted_model(fit, prepared)
+    return fitted_model(_as_of(fit, prepared), prepared)
+
+
+def _as_of(fit: Fit, prepared: Prepared) -> Fit:
+    """Return a fit to other recordings, or to stretches, as one of these: with the same shape values in each."""
+    if len(fit.shapes) == len(prepared.train):
+        return fit
+    return replace(fit, shapes=np.broadcast_to(fit.shape, (len(prepared.train), len(fit.shape))))
 
 
 def _of_machine(
@@ -264,7 +269,7 @@ def _answer(
     if wrong := next(filter(is_reading, state.names), None):
         return as_given(doubted(reading_doubt(extensions[-1].fitted.fit, wrong)))
     on_all = done.context.prepared is prepared
-    found_last = extensions[-1].fitted if on_all else fitted_model(extensions[-1].fitted.fit, prepared)
+    found_last = extensions[-1].fitted if on_all else _on(extensions[-1].fitted.fit, prepared)
     judged = found_last.judged_anew() if len(extensions) > 1 else prepared
     if not (on_all and judged is prepared):
         whole(0.95, "fitting what was found to the whole of the recordings")
@@ -363,7 +368,7 @@ def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Ext
     """Return the models refitted to recordings of which the search had seen only stretches, or other spikes."""
     out = []
     for extension in extensions:
-        before = extension.fitted.fit
+        before = _as_of(extension.fitted.fit, prepared)
         fit = identify(before.model, prepared.train, optimisers=(), start=before.start)
         out.append(replace(extension, fitted=fitted_model(fit, prepared)))
     return tuple(out)

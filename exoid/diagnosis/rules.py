@@ -150,6 +150,8 @@ class Rules:
         EFFORT, 24, "recordings at most of which numbers of their own are asked; beyond, a single one no longer matters"
     )
     whole_seconds: float = _rule(EFFORT, 900.0, "seconds that are searched as a whole; beyond, memory runs out")
+    few_joints: int = _rule(EFFORT, 2, "joints up to which so much is searched; of more, less, for time and memory")
+    least_searched: float = _rule(EFFORT, 80.0, "seconds searched at least, of however many joints")
     stretch_seconds: float = _rule(EFFORT, 30.0, "length of a stretch of a longer recording, s")
     searched_seconds: float = _rule(EFFORT, 600.0, "seconds searched of longer recordings; half as much to verify")
 

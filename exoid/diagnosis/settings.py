@@ -64,6 +64,14 @@ class DiscoverySettings(DiagnosisSettings):
     )
 
     def limited(self, joints: int) -> Rules:
-        """The rules for a machine of so many `joints`, with `most` in them."""
-        most = max(self.rules.most_terms, joints * self.rules.most_per_joint) if self.most is None else self.most
-        return replace(self.rules, most_terms=most)
+        """The rules for a machine of so many `joints`, with `most` in them. Of many joints less is searched: candidates
+        are as many as joints, and so is what is compared with each.
+        """
+        rules, less = self.rules, min(1.0, self.rules.few_joints / joints)
+        most = max(rules.most_terms, joints * rules.most_per_joint) if self.most is None else self.most
+        searched = min(rules.searched_seconds, max(rules.least_searched, less**2 * rules.searched_seconds))
+        whole = rules.whole_seconds * searched / rules.searched_seconds
+        stretch = less * rules.stretch_seconds
+        return replace(
+            rules, most_terms=most, whole_seconds=whole, searched_seconds=searched, stretch_seconds=stretch
+        )

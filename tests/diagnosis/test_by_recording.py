@@ -66,6 +66,16 @@ def test_zeros_set_anew_are_told_and_the_rest_is_adequate(held):
     assert one["sentence"] in found.sentence and one["joint"] == "axis" and one["unit"] == "N·m"
 
 
+def test_long_recordings_are_searched_in_stretches_and_answered_whole():
+    rules = replace(RULES, whole_seconds=20.0, searched_seconds=30.0, stretch_seconds=5.0)
+    runs = [drive(k, model=AXIS) for k in range(4)]
+    rates = [np.gradient(run.q, run.t, axis=0) for run in runs]
+    runs = [replace(run, tau=run.tau + 0.4 * np.abs(rate) * rate) for run, rate in zip(runs, rates, strict=True)]
+    found = discover(AXIS, runs[:3], runs[3], rules=rules)
+    assert [effect.effect for effect in found.accepted] == ["viscous_quadratic"]
+    assert len(found.fit.recordings) == 3
+
+
 def slowly(speed):
     return 0.25 / (1.0 + speed / 0.12)
 

@@ -68,6 +68,8 @@ def test_a_value_that_cannot_be_is_refused_wherever_it_is_given(words, message):
 
 def test_machines_of_many_joints_may_have_more_effects():
     assert [DiscoverySettings().limited(joints).most_terms for joints in (1, 3, 6)] == [6, 6, 12]
+    seconds = [DiscoverySettings().limited(joints).whole_seconds for joints in (1, 2, 3, 6, 7)]
+    assert seconds[:2] == [900.0, 900.0] and seconds[2] == pytest.approx(400.0) and seconds[3:] == [120.0, 120.0]
 
 
 def test_changes_are_made_to_the_record_that_is_given():

@@ -389,7 +389,10 @@ class Evidence:
         own numbers moved by `step` (P, ...); both may have axes of their own in D.
         """
         each = grams.of(self._alone.units)
-        return np.asarray(2.0 * (each.a[:, 0] - np.einsum("p...,rp...->r...", step, each.g[:, :, 0])) - each.h[:, 0, 0])
+        # Sums with all of the model's columns would take gigabytes for an arm: its step along those few is enough.
+        few = step if each.lift is None else np.tensordot(each.lift.T, step, 1)
+        of_step = np.einsum("p...,rp...->r...", few, each.few[:, :, 0])
+        return np.asarray(2.0 * (each.a[:, 0] - of_step) - each.h[:, 0, 0])
 
     def step_beside(self, grams: Gram) -> Float:
         """Steps (P, D) of the model's own numbers when all training units are fitted beside a candidate."""

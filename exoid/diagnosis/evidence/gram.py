@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,6 +62,18 @@ class Gram:
     def joined(cls, parts: Sequence[Gram]) -> Gram:
         """Return the Gram blocks of several lots of entries (D,) as one."""
         return parts[0] if len(parts) == 1 else cls(np.concatenate([p.rows for p in parts], axis=-1))
+
+    @classmethod
+    def stacked(cls, nodes: Iterable[Gram], many: int) -> Gram:
+        """Return the Gram blocks of so many nodes, each with entries (D,), as one with (V, D); one by one, since
+        together they are large.
+        """
+        rows, lift = np.zeros(0), None
+        for v, node in enumerate(nodes):
+            lift = node.lift
+            rows = rows if v else np.empty((*node.rows.shape[:-1], many, node.rows.shape[-1]))
+            rows[..., v, :] = node.rows
+        return cls(rows, lift)
 
     def entries(self, *which: Any) -> Gram:
         """Return those of some entries of D, one index for each axis that it has."""

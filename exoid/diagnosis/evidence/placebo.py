@@ -66,8 +66,8 @@ def as_good(
 
     different, back = evidence.different_shifts
     if search.own:
-        each = [evidence.shifted(some, v, by=different) for v in range(len(search.nodes))]
-        grams = Gram(np.stack([item.rows for item in each], axis=-2), each[0].lift)
+        nodes = (evidence.shifted(some, v, by=different) for v in range(len(search.nodes)))
+        grams = Gram.stacked(nodes, len(search.nodes))
         return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))[back]
     out = np.zeros(len(different[0]), dtype=bool)
     for v in range(len(search.nodes)):

@@ -275,17 +275,18 @@ def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarr
     delay would hide behind friction that all recordings share. There the model's numbers are those of all recordings,
     and the choice is repeated beside what was chosen.
     """
+    many, entries = grams.rows.shape[3:]
+    parts = np.array_split(np.arange(entries), -(-many * entries // TOGETHER))
     if not candidate.change:
-        nodes, entries = grams.rows.shape[3:]
-        parts = np.array_split(np.arange(entries), -(-nodes * entries // TOGETHER))
         chosen = [_best_alone(evidence, candidate, grams.entries(slice(None), part)) for part in parts]
         return np.concatenate(chosen, axis=1)
-    step: Float = np.zeros((len(evidence.prior), 1))
+    step: Float = np.zeros((len(evidence.prior), entries))
     loss = float(evidence.fold_losses.sum())
     for _ in range(ROUNDS):
-        nodes = np.argmax(tied(-evidence.gains_once(grams, step[:, None]), loss, axis=1), axis=1)
+        gains = (evidence.gains_once(grams.entries(slice(None), part), step[:, None, part]) for part in parts)
+        nodes = np.concatenate([np.argmax(tied(-gain, loss, axis=1), axis=1) for gain in gains], axis=1)
         step = evidence.step_beside(evidence.pick(grams, nodes))
-    return np.asarray(nodes)
+    return nodes
 
 
 def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
