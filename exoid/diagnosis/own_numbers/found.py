@@ -178,13 +178,16 @@ class _Search:
         return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
-        """A claim with as many recordings as clearly have it, and no more."""
-        held = self._placed(state, held)
+        """A claim with as many recordings as clearly have it, and no more. No choice of them is asked about twice: the
+        weights change, and the best one might turn in circles.
+        """
+        held, tried = self._placed(state, held), {held.groups}
         while True:
             now = self.fits.weighed_loss((*state, held))
-            others = self._others(held)
+            others = [other for other in self._others(held) if other.groups not in tried]
             if not others:
                 break
+            tried.update(other.groups for other in others)
             best = self._placed(state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
             # Whether one recording more shares a number costs none: what fits better is as likely as it fits.
             once, then = self.fits.losses((*state, held)), self.fits.losses((*state, best))
