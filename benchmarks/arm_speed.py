@@ -27,7 +27,7 @@ SECONDS, RATE, OFFSET = (33.0, 39.0, 45.0, 52.0, 58.0), 125.0, 0.6
 
 
 def write(folder: Path, joints: int, shorter: float) -> list[str]:
-    """Write model and recordings of an arm; return what `exoid discover` is asked."""
+    """Write model and recordings of an arm; return the arguments of `exoid` about it."""
     from benchmarks.pinocchio_arms import Arm, simulate
     from exoid.measurement.recording import to_csv
     from exoid.symbolic.model import model_of
@@ -50,13 +50,13 @@ def write(folder: Path, joints: int, shorter: float) -> list[str]:
 
 
 def leg() -> list[str]:
-    """Return what `exoid discover` is asked of the demo's leg."""
+    """Arguments of `exoid` about the demo's leg."""
     demo = ROOT / "exoid" / "workbench" / "demo_data"
     return ["discover", *(str(demo / f"train_{k}.csv") for k in (1, 2, 3)), "--verify", str(demo / "verify.csv")]
 
 
 def real() -> list[str]:
-    """Return what it is asked of the UR10; nothing where its recording is not there."""
+    """Arguments about the UR10; none where its recording is not there."""
     where = Path(os.environ.get("EXOID_SHARED_DATA", "")) / "arm_ur10"
     found = "EXOID_SHARED_DATA" in os.environ and where.is_dir()
     return ["discover", str(where / "exciting.csv"), "--model", str(where / "ur10.urdf")] if found else []

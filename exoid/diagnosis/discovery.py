@@ -142,7 +142,7 @@ def _beside_own(
     beside = None if given.misread else belonging_to(last, rules)
     if beside is None:
         return answer
-    alone = belonging_to(base, rules)
+    alone = beside if answer.fit is base.fit else belonging_to(base, rules)
     machines = [explained_by(last, found) for found in _of_machine_alone(question, answer, given)]
 
     def is_worth(beside: FittedModel) -> bool:
@@ -156,7 +156,8 @@ def _beside_own(
         return is_worth(_on(identify(answer.model, without.train, optimisers=()), without))
 
     # What belongs to recordings beside the model as given may be what an effect took the place of, or its trace.
-    own = next((item for item in (alone, beside) if item is not None and is_worth_asking(item)), None)
+    asked = dict.fromkeys((alone, beside))
+    own = next((item for item in asked if item is not None and is_worth_asking(item)), None)
     if own is None:
         return answer
     kept = None

@@ -15,6 +15,11 @@ EMPTY = (None, "", "–")
 """Cells that have nothing to say."""
 
 
+def without_accents(text: str) -> str:
+    """Letters of `text` without their accents: "Hüfte" is "Hufte"."""
+    return "".join(c for c in unicodedata.normalize("NFD", text) if not unicodedata.combining(c))
+
+
 def printable(text: str) -> str:
     """Return `text` with every control character spelt out (ESC is \\x1b), line feeds and tabs kept.
 

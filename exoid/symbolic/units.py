@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import re
-import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,6 +16,7 @@ from types import MappingProxyType
 
 from exoid.ground.errors import EffectError, ExpressionError
 from exoid.ground.suggest import nearest
+from exoid.ground.text import without_accents
 from exoid.symbolic.language.parser import parse
 from exoid.symbolic.language.tree import Binary, Name, Node, Number
 
@@ -155,8 +155,7 @@ def plain_unit(unit: str) -> str:
     if word.startswith("MN"):  # the only prefix that is spelt with a capital; all in capitals it could be either
         return "mega" + word[1:].lower() if word == "MN" or not word.isupper() else "mega or milli"
     word = word.lower()
-    if not word.isascii():
-        word = "".join(letter for letter in unicodedata.normalize("NFD", word) if not unicodedata.combining(letter))
+    word = without_accents(word)
     return _SPELT.get(word) or "/".join(_SPELT.get(part, part) for part in word.split("/"))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,6 +81,11 @@ def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None
     return ", ".join(
         part for part in (recording.source.path or recording.name, column and f"column {column}", rows) if part
     )
+
+
+def place_of_all(recordings: Sequence[Recording]) -> str:
+    """Place of what is said of recordings together: the file of the only one, or how many they are."""
+    return place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
 
 
 def step_of(values: Float) -> float:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from exoid.ground.minimum import minimum
 from exoid.ground.thresholds import threshold
 from exoid.ground.ties import ascending, index_of_least, order_of, tied
-from exoid.measurement.auditing.channels import place
+from exoid.measurement.auditing.channels import place_of_all
 from exoid.measurement.auditing.encoder_zeros import best_zeros, counted_joints
 from exoid.measurement.auditing.hypotheses import (
     BEAM,
@@ -246,7 +246,7 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
     remedy += _steps(recordings, found)
     check = SIGN if found.reading.sides and len(recordings) == 1 else CHECK
-    where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
+    where = place_of_all(recordings)
     sure = "possible" if found.rivals or found.then > GAIN else "likely"
     consequence = "every parameter is wrong"
     return Finding(check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if file else option)

@@ -14,7 +14,7 @@ import numpy as np
 
 from exoid.ground.text import digits
 from exoid.ground.thresholds import threshold
-from exoid.measurement.auditing.channels import place
+from exoid.measurement.auditing.channels import place_of_all
 from exoid.measurement.auditing.power_left import smoothed_groups
 from exoid.measurement.auditing.rough import TURNS, Smooth
 from exoid.measurement.finding import Finding
@@ -114,7 +114,7 @@ def _finding(recordings: Sequence[Recording], option: str, far: Sequence[str], t
         f"if so, give --convention {option} (better with the ratios of the data sheet: these are as rough as the "
         f"masses); where the masses are wrong, --convention {far[0]}-motor-torque=1"
     )
-    where = place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together"
+    where = place_of_all(recordings)
     return Finding(
         MASSES, "warning", what, where, float(times.max()), FAR, remedy, "every parameter is wrong", "likely"
     )

@@ -4,12 +4,12 @@ angle, if its name says so.
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from exoid.ground.text import without_accents
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.names import quantity_of, recognise
 from exoid.measurement.reading.raw import RawColumn, RawTable, split_unit
@@ -86,8 +86,7 @@ def _value(columns: Sequence[RawColumn], clock: RawColumn | None) -> RawColumn |
 
 def _plain(name: str) -> str:
     """Return a heading in small letters without accents."""
-    text = unicodedata.normalize("NFD", name.strip().lower())
-    return "".join(letter for letter in text if not unicodedata.combining(letter))
+    return without_accents(name.strip().lower())
 
 
 def _of_joints(name: str) -> str:

@@ -9,12 +9,12 @@ it: a set-point is never taken for a measurement, nor hip adduction for hip flex
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
+from exoid.ground.text import without_accents
 from exoid.measurement.reading.outside import outside_columns, outside_kind, outside_name, words_of
 from exoid.measurement.reading.units import SLIDING, factor, is_scaled, is_unit
 from exoid.measurement.recording import BASE_COLUMNS, SPACE_BASE_COLUMNS
@@ -99,7 +99,9 @@ GREEK = {
     "ω": " omega ",
 }
 _OF_UNIT = {"rad": "q", "m/s²": "ddx"}
-BASE: Mapping[str, str] = {name: _OF_UNIT[unit] for name, unit in (*BASE_COLUMNS.items(), *SPACE_BASE_COLUMNS.items())}
+BASE: Mapping[str, str] = {
+    name: _OF_UNIT[unit] for name, unit in (*BASE_COLUMNS.items(), *SPACE_BASE_COLUMNS.items())
+}
 """Columns of a measured base, and what quantity each is."""
 CARRIERS = ("base", "backpack", "pelvis", "trunk")
 BASE_WORDS: Mapping[str, str] = {
@@ -150,7 +152,7 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
         return ColumnMeaning(f"{quantity}{joint_names(joints).index(own) + 1}", rank=-1)
     for sign, word in GREEK.items():
         name = name.replace(sign, word)
-    name = _without_accents(name)
+    name = without_accents(name)
     if base := _of_base(name, SPACE_BASE_WORDS if is_spatial(joints) else BASE_WORDS):
         return base
     name = name.removeprefix("Model Root/")  # dSPACE names the block diagram so; "model" elsewhere is no measurement
@@ -199,7 +201,7 @@ def _of_base(name: str, known: Mapping[str, str]) -> ColumnMeaning | None:
 
 def words_in(name: str) -> frozenset[str]:
     """Return the words of a name in small letters: "LeftHipMotor1" -> left, hip, motor, 1."""
-    return frozenset(word for word in re.split(r"[\W_]+", _spaced(_without_accents(name)).lower()) if word)
+    return frozenset(word for word in re.split(r"[\W_]+", _spaced(without_accents(name)).lower()) if word)
 
 
 def is_set_point(name: str, joints: tuple[Joint, ...]) -> bool:
@@ -390,14 +392,6 @@ def _joint(word: str, joints: tuple[Joint, ...]) -> int:
         if word == joint.name.lower() or word in SYNONYMS.get(joint.name.lower(), ()):
             return number
     return 0
-
-
-def _without_accents(name: str) -> str:
-    return (
-        name
-        if name.isascii()
-        else "".join(c for c in unicodedata.normalize("NFD", name) if not unicodedata.combining(c))
-    )
 
 
 def _spaced(name: str) -> str:
