@@ -274,7 +274,9 @@ def _answer(
     judged = found_last.judged_anew() if len(extensions) > 1 else prepared
     if not (on_all and judged is prepared):
         whole(0.95, "fitting what was found to the whole of the recordings")
-        extensions = _on_all_of(judged, extensions)
+        # The steps on the way are judged on the same samples; where only stretches were seen, they are fitted anew, too.
+        way = tuple(replace(item, fitted=item.fitted.on(judged)) for item in extensions[:-1])
+        extensions = (*way, *_on_all_of(judged, extensions[-1:])) if on_all else _on_all_of(judged, extensions)
         done = replace(done, prepared=judged, base=extensions[0].fitted)
     last = extensions[-1].fitted
     doubt = doubts_after(done.base, last, rules)

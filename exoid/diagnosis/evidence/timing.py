@@ -13,7 +13,8 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.ties import index_of_least, least_of
-from exoid.measurement.signals.spikes import without_spikes
+from exoid.measurement.signals.masks import Mask, straight
+from exoid.measurement.signals.spikes import spikes
 from exoid.optimisation.linear.factor import factorise
 from exoid.symbolic.evaluation import carrying
 from exoid.symbolic.language.torque import is_transform
@@ -25,6 +26,10 @@ LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
 """Time constants of a filter of first order on the torque that are tried, s."""
 FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
 """Delays and time constants in s that are tried where a delay was found."""
+ALIKE = (0.003, 0.0065, 0.013, 0.03, 0.12)
+"""Time constants in s of which the nearest tells the spikes that a filter smeared: where its inverse steepens much, it
+is the same samples whatever the constant.
+"""
 
 
 def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
@@ -152,6 +157,7 @@ class _Readings:
 
     def __init__(self, base: FittedModel) -> None:
         model, self.train = base.model, base.prepared.train
+        self.known_spikes: dict[tuple[int, float], Mask] = {}
         reference = base.linear if model.needs_reference else None
         whole = [model.whole_columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
         none = np.zeros(len(base.linear))
@@ -217,6 +223,15 @@ class _Readings:
             return recording.torque - recording.smooth(self.known[index])
         changed = change(recording.wide_tau, seconds * recording.rate)
         if change is _without_lag:
-            changed = without_spikes(changed, recording.rate)
+            nearest = ALIKE[int(np.argmin(np.abs(np.log(seconds / np.array(ALIKE)))))]
+            spoilt = self._spoilt(index, nearest)
+            changed = np.column_stack([straight(x, bad) for x, bad in zip(changed.T, spoilt.T, strict=True)])
         changed = changed if which is None else np.where(which, changed, recording.wide_tau)
         return recording.smooth(changed - self.known[index])
+
+    def _spoilt(self, index: int, seconds: float) -> Mask:
+        """Spikes (N, J) of a recording's torques before a filter with this time constant."""
+        if (index, seconds) not in self.known_spikes:
+            one = self.train[index]
+            self.known_spikes[index, seconds] = spikes(_without_lag(one.wide_tau, seconds * one.rate), one.rate)
+        return self.known_spikes[index, seconds]

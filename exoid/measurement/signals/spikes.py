@@ -79,11 +79,6 @@ def spikes_beside(tau: Float, known: Float, rate: float, missing: Mask, *, avera
     return np.asarray(spikes(tau - known, rate, missing, averaged=averaged) & (np.ptp(tau, axis=0) > 0.0))
 
 
-def without_spikes(x: Float, rate: float) -> Float:
-    """Return `x` (N, J) with straight lines across its spikes."""
-    return np.column_stack([straight(channel, bad) for channel, bad in zip(x.T, spikes(x, rate).T, strict=True)])
-
-
 def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...], averaged: bool) -> Mask:
     """Return a mask of the spikes among samples `x` (N,), judged anew without those found until nothing changes; beside
     one so many have no part in its prediction.

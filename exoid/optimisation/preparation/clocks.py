@@ -218,10 +218,11 @@ def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> Clock
     products = products[:, known] / scale[known]
 
     def both(gram: Float, product: Float) -> Float:
-        return np.asarray(np.linalg.lstsq(gram, product, rcond=1e-10)[0][-2:] / scale[-2:])
+        inverse = np.linalg.pinv(gram, rcond=1e-10, hermitian=True)
+        return np.asarray((inverse @ product[..., None])[..., -2:, 0] / scale[-2:])
 
     gram, product = grams.sum(axis=0), products.sum(axis=0)
-    each = np.array([both(gram - a, product - b) for a, b in zip(grams, products, strict=True)])
+    each = both(gram - grams, product - products)
     late_error, error = np.sqrt((GROUPS - 1) / GROUPS * np.sum((each - each.mean(axis=0)) ** 2, axis=0))
     many = len(product)
     left = squares_left(square, gram, product)
