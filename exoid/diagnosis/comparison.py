@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from exoid.diagnosis.cautions import OUTSIDE, cautions
 from exoid.diagnosis.evidence.best_effects import as_given
-from exoid.diagnosis.evidence.channels import OUTSIDE, channel_findings
 from exoid.diagnosis.evidence.curves import variables
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import times_noise
@@ -212,7 +212,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         now = as_given(now)  # a model that leaves about the noise reads the channels rightly
         prepared = now.prepared
     unseen = verification(fit, prepared)
-    doubts = channel_findings(now)
+    doubts = cautions(now)
     length = None if any(doubt.check == OUTSIDE for doubt in doubts) else wanted_thigh_length(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0)
     shown = prepared.verify or prepared.train

@@ -47,6 +47,7 @@ from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
+OTHERS_TOO = " So many differences at once may also be those of another machine."
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
 
@@ -181,7 +182,7 @@ def _beside_own(
         return answer
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
         return answer  # what is another machine's is explained by no such number, or by as many as a machine has
-    return with_own(rival, told, base)
+    return with_own(rival, told, base, OTHERS_TOO if own.as_many_as(rules.half) else "")
 
 
 def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:
@@ -274,7 +275,7 @@ def _answer(
     judged = found_last.judged_anew() if len(extensions) > 1 else prepared
     if not (on_all and judged is prepared):
         whole(0.95, "fitting what was found to the whole of the recordings")
-        # The steps on the way are judged on the same samples; where only stretches were seen, they are fitted anew, too.
+        # The steps on the way are judged on the same samples, or fitted anew where only stretches had been seen.
         way = tuple(replace(item, fitted=item.fitted.on(judged)) for item in extensions[:-1])
         extensions = (*way, *_on_all_of(judged, extensions[-1:])) if on_all else _on_all_of(judged, extensions)
         done = replace(done, prepared=judged, base=extensions[0].fitted)

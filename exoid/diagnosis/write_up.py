@@ -62,12 +62,14 @@ def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> 
     return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 
 
-def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel) -> Diagnosis:
-    """Return an answer beside what belongs to recordings; `given` is the model without it."""
+def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel, caution: str = "") -> Diagnosis:
+    """Return an answer beside what belongs to recordings; `given` is the model without it, `caution` is said of all of
+    this.
+    """
     first, *rest = answer.steps
     step = Step("base", given.train_rms, given.verify_rms)
     names = " + ".join(dict.fromkeys(entry.what for entry in told))
-    sentences = " ".join(f"{item.sentence}." for item in told)
+    sentences = " ".join(f"{item.sentence}." for item in told) + caution
     return replace(
         answer,
         sentence=f"{sentences} Beside that: {answer.sentence}",

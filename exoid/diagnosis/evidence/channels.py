@@ -3,8 +3,7 @@
 Asked before the search: whether the encoders' noise leaves accelerations worth the name, whether a measured force is
 turned round or was not tared, whether friction would have to drive a joint, whether the torque would fit far better if
 it were read earlier, or as what a slow filter made of it, and whether anything but the angles made it. Asked of the
-best model that the search finds: whether it leaves more of the torque than a third, and whether the held-out recordings
-are of the same machine.
+best model that the search finds: whether it leaves more of the torque than a third.
 """
 
 from __future__ import annotations
@@ -14,11 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.diagnosis.evidence.apart import moved_numbers
-from exoid.diagnosis.evidence.best_effects import may_leave_noise
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
-from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.pushes import turned_force
 from exoid.diagnosis.evidence.timing import late_torque
@@ -29,15 +25,12 @@ from exoid.measurement.stance import UPWARDS
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.clocks import CLOCKS
 from exoid.optimisation.preparation.filtering import PreparedRecording
-from exoid.optimisation.preparation.prepare import Prepared
 from exoid.optimisation.preparation.smoothed import FILTERED
 from exoid.symbolic.joints import machine_word
 from exoid.symbolic.motion import Float
 
 TARED = "tared"
 """The check of recordings that says which force is not zero while nothing pushes."""
-OUTSIDE = "outside"
-"""What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""
 NOTHING_EXPLAINED = 0.9
 """Share of a torque's variance left from which its joint may have no drive; it only adds to what is advised."""
 
@@ -111,35 +104,7 @@ def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> 
     """Doubt by which the best model that was found (`last`) is no answer, None without; `base` is the model that the
     search began with.
     """
-    return (
-        _unexplained_torque(base, last, rules)
-        or _impossible_base(base, last, rules)
-        or _without_mass(last, rules)
-        or _another_machine(base, last, rules)
-    )
-
-
-def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
-    """Return as a warning what makes a model that was only fitted, not searched, no answer; () where nothing does."""
-    if fitted.prepared.misread:
-        return ()
-    wrong = doubts_of_recordings(fitted, rules)
-    outside = None if wrong is not None else intermittent(fitted, rules)
-    if outside is not None and not may_leave_noise(fitted, rules):
-        return (
-            Finding(
-                OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), "all recordings", remedy=ADVICE
-            ),
-        )
-    doubt = wrong or doubts_before(fitted, rules) or _another_machine(fitted, fitted, rules)
-    share = left_share(fitted)
-    if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
-        parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, fitted.model.joint_names))
-        text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"
-        doubt = Doubt("unexplained", text, f"{_COLUMNS}; `exoid discover` finds which of the two it is")
-    if doubt is None:
-        return ()
-    return (Finding("channels", "warning", doubt.sentence.rstrip("."), "all recordings", remedy=doubt.remedy),)
+    return _unexplained_torque(base, last, rules) or _impossible_base(base, last, rules) or _without_mass(last, rules)
 
 
 def _noisy_angles(base: FittedModel, rules: Rules) -> Doubt | None:
@@ -225,7 +190,7 @@ def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> D
     share = left_share(last)
     if not np.nanmax(share, initial=0.0) > rules.unexplained_share:
         return None
-    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, last.model.joint_names))
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in finite(share, last.model.joint_names))
     machine = machine_word(last.model.joints)
     odd = _odd_recordings(base, rules)
     files = " and ".join(odd)
@@ -234,13 +199,13 @@ def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> D
         f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
         f"The torque is not that of this {machine} in this motion: the best model that was found leaves {parts} of "
         f"its variance unexplained.{which} Nothing is named on top of that.",
-        (f"begin with {files}: {_COLUMNS}" if odd else _COLUMNS) + _undriven(share, last.model.joint_names),
+        (f"begin with {files}: {COLUMNS}" if odd else COLUMNS) + _undriven(share, last.model.joint_names),
     )
 
 
 def _undriven(share: Float, joints: Sequence[str]) -> str:
     """Advice if the joints of which next to nothing is explained, unlike others, have no drive; "" where none is so."""
-    idle = [joint for joint, x in _finite(share, joints) if x > NOTHING_EXPLAINED]
+    idle = [joint for joint, x in finite(share, joints) if x > NOTHING_EXPLAINED]
     if not idle or len(idle) == len(joints):
         return ""
     options = " ".join(f"--passive {joint}" for joint in idle)
@@ -264,7 +229,7 @@ def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:
     return odd if 2 * len(odd) < known else []
 
 
-_COLUMNS = (
+COLUMNS = (
     "check the columns and their order (--map), units (--units), the signs and zeros of angles and torques, and "
     "whether torque and motion are of the same run; draw them over time, or start with a slow motion of one joint"
 )
@@ -282,7 +247,7 @@ def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doub
     near = np.all(last.evaluation_rms <= rules.near_noise * last.prepared.noise_floor)
     if not _impossible(last) and (near or np.nanmax(left_share(last), initial=0.0) <= rules.worth_telling):
         return None
-    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, base.model.joint_names))
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in finite(share, base.model.joint_names))
     machine = machine_word(base.model.joints)
     return Doubt(
         f"the rigid {machine} leaves {parts} of the torque's variance, and its numbers are impossible "
@@ -290,7 +255,7 @@ def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doub
         f"The channels do not fit a {machine}: weight, inertia and friction together leave {parts} of the torque's "
         f"variance unexplained, with numbers that no {machine} has. What then explains the rest only makes up for a "
         "wrong sign, zero or column.",
-        _COLUMNS,
+        COLUMNS,
     )
 
 
@@ -345,47 +310,6 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
     )
 
 
-def _another_machine(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
-    """Doubt that held-out recordings are of the machine that was fitted: they are badly explained by its numbers, and
-    well by numbers of their own.
-
-    At least one number must differ by more than both intervals allow. Effects that explain most of what the given model
-    leaves of the recordings held out are those of their machine, too.
-    """
-    now = base if last.model.shapes else last
-    unseen, found = now.verify_rms, last.verify_rms
-    if unseen is None or found is None:
-        return None
-    used = [any(p.used[j].any() for p in now.prepared.verify) for j in range(len(unseen))]
-    known = (now.train_rms > 0.0) & np.array(used)
-    if not known.any():
-        return None
-    worse = unseen[known] / now.train_rms[known]
-    if worse.max() < rules.near_noise or worse.min() < rules.artefact:
-        return None
-    if now is base and np.all(found[known] ** 2 <= rules.little * unseen[known] ** 2):
-        return None
-    swapped: Prepared = replace(now.prepared, train=now.prepared.verify, verify=())
-    alone = fitted_model(identify(now.model, swapped.train, optimisers=()), swapped)
-    if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.little:
-        return None
-    moved = moved_numbers(now.fit, alone.fit)
-    if not moved:  # a few seconds that both fit well, and neither knows the numbers: nothing says they differ
-        return None
-    errors = ", ".join(
-        f"{joint.name} {a:.3g} {joint.unit('tau')} on fitted and {b:.3g} {joint.unit('tau')} on held-out motion"
-        for joint, a, b, k in zip(now.model.joints, now.train_rms, unseen, known, strict=True)
-        if k
-    )
-    return Doubt(
-        f"the held-out error is {worse.max():.0f} times the fitted one, and a fit of the held-out recordings alone "
-        "leaves little of it",
-        f"The held-out recordings are not of the machine that was fitted: the model leaves {errors}, yet fitted alone "
-        f"they are explained. Fitted and held out want: {'; '.join(moved[:4])}.",
-        f"verify with recordings of the same {machine_word(now.model.joints)}, with the same load (--payload) and the "
-        "same zeros",
-    )
-
-
-def _finite(share: Float, joints: Sequence[str]) -> Iterator[tuple[str, float]]:
+def finite(share: Float, joints: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Joints of which something can be left, with the share that is."""
     return ((joint, float(x)) for joint, x in zip(joints, share, strict=True) if np.isfinite(x))

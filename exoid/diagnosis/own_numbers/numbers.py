@@ -102,6 +102,11 @@ class OwnNumbers:
                 many[name] += 1 + (len(held.claim.nodes) > 1)
         return any(many[item.recording] >= model.friction.stop for item in recordings)
 
+    def as_many_as(self, part: float) -> bool:
+        """True if recordings differ in as many ways as `part` of a machine's numbers, zeros not counted."""
+        ways = sum(1 + (len(held.claim.nodes) > 1) for held in self.held if not held.claim.everyone)
+        return ways >= part * self.now.model.friction.stop
+
     def applied(self, prepared: Prepared) -> Prepared:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the
         other half says.

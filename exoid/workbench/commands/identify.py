@@ -109,8 +109,8 @@ def _identified(
             given.model, prepared.train, **settings_given(args, FitSettings),
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
+        from exoid.diagnosis.cautions import cautions
         from exoid.diagnosis.comparison import verification
-        from exoid.diagnosis.evidence.channels import channel_findings
         from exoid.diagnosis.evidence.fitted import fitted_model
         from exoid.optimisation.fitting.neighbours import neighbours
         from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
@@ -120,7 +120,7 @@ def _identified(
         report(0.97, "neighbouring cut-offs")
         near = neighbours(fit, given.model, prepared, given.recordings)
         length = wanted_thigh_length(fit, prepared)
-        found = (*channel_findings(fitted_model(fit, prepared)), *(() if length is None else (length.finding(),)))
+        found = (*cautions(fitted_model(fit, prepared)), *(() if length is None else (length.finding(),)))
         together = (*prepared.misread, *of_the_set((*prepared.findings, *found)))
         fit = replace(fit, plausibility=(*together, *fit.plausibility, *near.findings()))
     return fit, unseen, near, length

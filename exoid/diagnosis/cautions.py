@@ -1,0 +1,58 @@
+"""What makes a model that was only fitted, not searched, no answer: told beside `compare` and `identify`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid.diagnosis.evidence.best_effects import may_leave_noise
+from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
+from exoid.diagnosis.evidence.channels import COLUMNS, doubts_before, doubts_of_recordings, finite
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
+from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.own_numbers.compared import predicts_better
+from exoid.diagnosis.own_numbers.found import belonging_to
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.identify import identify
+
+OUTSIDE = "outside"
+"""What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""
+OWN = "of_recordings"
+"""What the finding is called that numbers of recordings' own explain what the model leaves."""
+EVERY = "all recordings"
+
+
+def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
+    """Return as a warning what makes the model no answer; () where nothing does."""
+    if fitted.prepared.misread:
+        return ()
+    wrong = doubts_of_recordings(fitted, rules)
+    outside = None if wrong is not None else intermittent(fitted, rules)
+    if outside is not None and not may_leave_noise(fitted, rules):
+        return (Finding(OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), EVERY, remedy=ADVICE),)
+    doubt = wrong or doubts_before(fitted, rules)
+    if doubt is None and (own := _own_numbers(fitted, rules)):
+        return own
+    share = left_share(fitted)
+    if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
+        parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in finite(share, fitted.model.joint_names))
+        text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"
+        doubt = Doubt("unexplained", text, f"{COLUMNS}; `exoid discover` finds which of the two it is")
+    if doubt is None:
+        return ()
+    return (Finding("channels", "warning", doubt.sentence.rstrip("."), EVERY, remedy=doubt.remedy),)
+
+
+def _own_numbers(fitted: FittedModel, rules: Rules) -> tuple[Finding, ...]:
+    """Findings on numbers that belong to recordings, where the model beside them predicts clearly better and leaves
+    about the noise: beside more they may be traces of what it is missing.
+    """
+    if np.all(times_noise(fitted) <= rules.near_noise) or (own := belonging_to(fitted, rules)) is None:
+        return ()
+    without = own.applied(fitted.prepared)
+    beside = fitted_model(identify(fitted.model, without.train, optimisers=()), without)
+    if np.any(times_noise(beside) > rules.near_noise) or not predicts_better(fitted, beside, rules):
+        return ()
+    remedy = "`exoid discover` takes it into account"
+    return tuple(Finding(OWN, "warning", one.sentence.rstrip("."), EVERY, remedy=remedy) for one in own.told)
