@@ -1,4 +1,4 @@
-"""What makes a model that was only fitted, not searched, no answer: told beside `compare` and `identify`."""
+"""Warnings about a model that was only fitted, not searched: why it is no answer."""
 
 from __future__ import annotations
 
@@ -55,4 +55,4 @@ def _own_numbers(fitted: FittedModel, rules: Rules) -> tuple[Finding, ...]:
     if np.any(times_noise(beside) > rules.near_noise) or not predicts_better(fitted, beside, rules):
         return ()
     remedy = "`exoid discover` takes it into account"
-    return tuple(Finding(OWN, "warning", one.sentence.rstrip("."), EVERY, remedy=remedy) for one in own.told)
+    return tuple(Finding(OWN, "warning", told.sentence.rstrip("."), EVERY, remedy=remedy) for told in own.told)

@@ -276,7 +276,7 @@ def _answer(
     if not (on_all and judged is prepared):
         whole(0.95, "fitting what was found to the whole of the recordings")
         # The steps on the way are judged on the same samples, or fitted anew where only stretches had been seen.
-        way = tuple(replace(item, fitted=item.fitted.on(judged)) for item in extensions[:-1])
+        way = tuple(replace(item, fitted=_on(item.fitted.fit, judged)) for item in extensions[:-1])
         extensions = (*way, *_on_all_of(judged, extensions[-1:])) if on_all else _on_all_of(judged, extensions)
         done = replace(done, prepared=judged, base=extensions[0].fitted)
     last = extensions[-1].fitted

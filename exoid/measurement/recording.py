@@ -20,7 +20,7 @@ from exoid.ground.html import bullets, lines, picture, table
 from exoid.measurement.finding import Finding
 from exoid.measurement.logged import Logged
 from exoid.measurement.plots import angles_and_torques
-from exoid.measurement.signals.spikes import spikes
+from exoid.measurement.signals.spikes import far_off, without_chatter
 from exoid.symbolic.joints import LEG, UNNAMED, Joint, Vector, is_spatial, names
 from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.motion import Float, read_only
@@ -162,7 +162,12 @@ class Recording:
     @cached_property
     def spikes(self) -> NDArray[np.bool_]:
         """Samples (N, J) at which the torque has spikes, told from its neighbours alone."""
-        return spikes(self.tau, self.rate, ~self.torque_valid)
+        return without_chatter(self.tau, self.far_off, self.rate)
+
+    @cached_property
+    def far_off(self) -> NDArray[np.bool_]:
+        """Samples (N, J) at which the torque is far off its neighbours: spikes, or the chatter of a drive."""
+        return far_off(self.tau, self.rate, ~self.torque_valid)
 
     @property
     def complete(self) -> NDArray[np.bool_]:
@@ -177,8 +182,8 @@ class Recording:
     def with_findings(self, findings: tuple[Finding, ...]) -> Recording:
         """Return the same recording carrying `findings` instead of its own."""
         other = replace(self, findings=findings)
-        if "spikes" in vars(self):
-            vars(other)["spikes"] = self.spikes  # found once: its torques are the same
+        if "far_off" in vars(self):
+            vars(other)["far_off"] = self.far_off  # found once: its torques are the same
         return other
 
     def with_payload(self, mass: float, along: float | Vector, link: str = "shank") -> Recording:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid.measurement.signals.spikes import spikes
+from exoid.measurement.signals.spikes import far_off, spikes
 
 T = np.arange(0.0, 10.0, 1e-3)
 
@@ -29,6 +29,22 @@ def test_a_spike_of_a_few_milliseconds_is(wide):
     for k in range(wide):
         hit[300 + k :: 500] = True
     assert found[hit, 0].mean() > 0.95 and found[~hit, 0].mean() < 5e-3  # what lies among three in a row is hidden, too
+
+
+def dense(strength: float, aligned: bool) -> np.ndarray:
+    """A slow torque and a spike at every seventh sample: with its sign, or with any."""
+    rng, slow = np.random.default_rng(2), np.sin(np.pi * T[::3])
+    signs = np.sign(slow) if aligned else rng.choice([-1.0, 1.0], slow.size)
+    pulses = strength * (rng.random(slow.size) < 0.15) * signs
+    return (0.3 * slow + pulses + 0.02 * rng.standard_normal(slow.size))[:, None]
+
+
+def test_the_chatter_of_a_drive_that_moves_its_machine_is_kept():
+    assert far_off(dense(2.0, True), 333.0).mean() > 0.12 and not spikes(dense(2.0, True), 333.0).any()
+
+
+def test_dense_spikes_of_any_sign_are_a_sensors():
+    assert spikes(dense(6.0, False), 333.0).mean() > 0.12
 
 
 def swing(rate: float, noise: float, seed: int) -> np.ndarray:
@@ -84,7 +100,7 @@ def test_what_is_unknown_or_constant_has_no_spikes():
 def test_means_of_samples_judged_before_are_spikes_only_where_they_are_plain():
     tau = swing(100.0, 0.02, seed=6)
     hit = np.random.default_rng(7).random(tau.shape) < 0.01
-    found = [spikes(tau + np.where(hit, size * 0.02, 0.0), 100.0, averaged=True)[hit].mean() for size in (4.5, 9.0)]
+    found = [far_off(tau + np.where(hit, size * 0.02, 0.0), 100.0, averaged=True)[hit].mean() for size in (4.5, 9.0)]
     assert found[0] < 0.5 and found[1] > 0.9
 
 

@@ -232,6 +232,6 @@ class _Readings:
     def _spoilt(self, index: int, seconds: float) -> Mask:
         """Spikes (N, J) of a recording's torques before a filter with this time constant."""
         if (index, seconds) not in self.known_spikes:
-            one = self.train[index]
-            self.known_spikes[index, seconds] = spikes(_without_lag(one.wide_tau, seconds * one.rate), one.rate)
+            tau, rate = self.train[index].wide_tau, self.train[index].rate
+            self.known_spikes[index, seconds] = spikes(_without_lag(tau, seconds * rate), rate)
         return self.known_spikes[index, seconds]

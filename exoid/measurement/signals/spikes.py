@@ -38,6 +38,21 @@ CROWD = threshold(
     "spikes among a sample and its neighbours from which it is one: a sensor chatters, and what lies between its "
     "peaks would be fitted",
 )  # fmt: skip
+DENSE = threshold(
+    __name__, "DENSE", 0.12,
+    "share of such samples from which they may be a drive's chatter: a sensor with as many is of no use",
+)  # fmt: skip
+CARRIED = threshold(
+    __name__, "CARRIED", 0.35,
+    "part of the slow torque in dense ones from which they are chatter that moves the machine, and are kept: without "
+    "them a machine would be far too light",
+)  # fmt: skip
+ALIGNED = threshold(
+    __name__, "ALIGNED", 1.4,
+    "times what such samples of random sign would hold: a disturbed sensor's spikes would be taken for a drive's",
+)  # fmt: skip
+AVERAGED = 0.2
+"""s over which the torque is averaged for that."""
 SIDE, PARABOLA = 5, 8
 """Samples on either side that predict together, and alone."""
 LASTS, MOST = 0.003, 5
@@ -58,10 +73,17 @@ LEAST = 1e-7
 """Part of a torque's range that counts as its noise, at least."""
 
 
-def spikes(x: Float, rate: float, unknown: Mask | None = None, *, averaged: bool = False) -> Mask:
-    """Return a mask of the spikes among samples `x` (N, J), evenly spaced at `rate` Hz; two in a row are found, or as
-    many as last 3 ms. Those `unknown` (N, J) are none, nor do they count. `averaged` are means of samples judged
-    before.
+def spikes(x: Float, rate: float, unknown: Mask | None = None) -> Mask:
+    """Return a mask of the spikes among samples `x` (N, J) of torques, evenly spaced at `rate` Hz: those far off that
+    are not the chatter of a drive.
+    """
+    return without_chatter(x, far_off(x, rate, unknown), rate)
+
+
+def far_off(x: Float, rate: float, unknown: Mask | None = None, *, averaged: bool = False) -> Mask:
+    """Return a mask of the samples among `x` (N, J), evenly spaced at `rate` Hz, that are far off their neighbours; two
+    in a row are found, or as many as last 3 ms. Those `unknown` (N, J) are none, nor do they count. `averaged` are
+    means of samples judged before.
     """
     longest = int(np.clip(round(LASTS * rate), 2, MOST))
     out = np.zeros(x.shape, dtype=bool)
@@ -76,7 +98,41 @@ def spikes_beside(tau: Float, known: Float, rate: float, missing: Mask, *, avera
     """Return the spikes (N, J) of torques `tau`, judged by what the torque `known` of a model leaves of them; what is
     constant has none, whatever a model says. `averaged` are means of samples judged before.
     """
-    return np.asarray(spikes(tau - known, rate, missing, averaged=averaged) & (np.ptp(tau, axis=0) > 0.0))
+    far = far_off(tau - known, rate, missing, averaged=averaged) & (np.ptp(tau, axis=0) > 0.0)
+    return without_chatter(tau, far, rate)
+
+
+def without_chatter(tau: Float, far: Mask, rate: float) -> Mask:
+    """Return the samples (N, J) of torques that are `far` off, without those of a channel in which they are dense and
+    hold much of the slow torque, with one sign for a while: a drive that is switched fast moves its machine by them.
+    """
+    out = far.copy()
+    for j in np.flatnonzero(np.count_nonzero(far, axis=0) > DENSE * len(far)):
+        out[:, j] &= not _moves(tau[:, j], far[:, j], rate)
+    return out
+
+
+def _moves(tau: Float, far: Mask, rate: float) -> bool:
+    off = tau - straight(tau, far)
+    random = float(np.sqrt(np.mean(off**2) / _count(rate)))
+    return carried(tau, far, rate) > CARRIED and float(averaged(off, rate).std()) > ALIGNED * random
+
+
+def carried(tau: Float, far: Mask, rate: float) -> float:
+    """Part of a slow torque (N,) that is in those of its samples that are `far` off the line between the others."""
+    off = tau - straight(tau, far)
+    slow, bursts = (float(averaged(values, rate).std()) for values in (tau, off))
+    return bursts / slow if slow > 0.0 else 0.0
+
+
+def averaged(values: Float, rate: float) -> Float:
+    """Means of neighbours in a fifth of a second; of all values where there are fewer."""
+    sums, count = np.cumsum(np.concatenate([[0.0], values])), min(_count(rate), values.size)
+    return np.asarray((sums[count:] - sums[:-count]) / count)
+
+
+def _count(rate: float) -> int:
+    return max(1, round(AVERAGED * rate))
 
 
 def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...], averaged: bool) -> Mask:
