@@ -17,29 +17,28 @@ from exoid.symbolic.model import read_model
 from exoid.workbench.command import main
 
 ARMS = {"ur10": "exciting.csv", "tx40": "run.csv", "kr300": ""}
-HUBER = 1.09
-"""Times the unseen error of plain squares that the same model leaves by Huber's loss, at most. Where the errors are
-those of the model and no sample is bad, δ (beyond which 14 % of them lie) cuts off what a plain fit follows: 8.5 % on
-KR300, 1.9 % with half as much again, nothing with three times it.
+HUBER = 1.03
+"""Times the unseen error of plain squares that Huber's loss leaves with the same columns, at most: the geometric mean
+over joints and recordings held out, 1.02 on UR10 and KR300, 1.00 on TX40. In single ones it is 0.82 to 1.17: what is
+left is the model's, comes in stretches, and either loss follows some of them. With δ twice as large it is 0.98 to 1.02.
 """
 SAME = 1.001
 """The same of the fit by least squares that goes before it."""
 
 
 def arm(shared_data: Path, folder: Path, name: str):
-    """Model, fitted and unseen recordings: the last of several, or the second quarter of a single one."""
+    """Model and recordings: where there is a single one, its quarters."""
     where = shared_data / f"arm_{name}"
     model = read_model(where / f"{name}.urdf")
     if not ARMS[name]:
-        runs = [read_recording(where / f"run_{k}.csv", joints=model.joints) for k in "ABC"]
-        return model, runs[:2], runs[2:]
+        return model, [read_recording(where / f"run_{k}.csv", joints=model.joints) for k in "ABC"]
     head, *rows = (where / ARMS[name]).read_text().splitlines()
-    parts, fourth, half = [], len(rows) // 4, len(rows) // 2
-    for called, some in (("first", rows[:fourth]), ("last", rows[half:]), ("middle", rows[fourth:half])):
-        path = folder / f"{called}.csv"
-        path.write_text("\n".join([head, *some]))
-        parts.append(read_recording(path, joints=model.joints))
-    return model, parts[:2], parts[2:]
+    runs, fourth = [], len(rows) // 4
+    for k in range(4):
+        path = folder / f"quarter_{k}.csv"
+        path.write_text("\n".join([head, *rows[k * fourth : (k + 1) * fourth]]))
+        runs.append(read_recording(path, joints=model.joints))
+    return model, runs
 
 
 def plain_squares(model, prepared: Prepared):
@@ -52,12 +51,15 @@ def plain_squares(model, prepared: Prepared):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_the_same_model_predicts_as_well_as_plain_squares(shared_data, tmp_path, name):
-    model, runs, last = arm(shared_data, tmp_path, name)
-    prepared = prepare(model, runs, last)
-    fit = identify(model, prepared.train, optimisers=())
-    unseen, plain = assemble(model, prepared.verify), plain_squares(model, prepared)
-    assert np.all(unseen.rms(fit.sse.linear) <= SAME * plain)
-    assert np.all(unseen.rms(fit.linear) <= HUBER * plain)
+    model, runs = arm(shared_data, tmp_path, name)
+    times = []
+    for last in runs:
+        prepared = prepare(model, [run for run in runs if run is not last], [last])
+        fit = identify(model, prepared.train, optimisers=())
+        unseen, plain = assemble(model, prepared.verify), plain_squares(model, prepared)
+        assert np.all(unseen.rms(fit.sse.linear) <= SAME * plain)
+        times.append(unseen.rms(fit.linear) / plain)
+    assert np.exp(np.mean(np.log(times))) <= HUBER
 
 
 @pytest.mark.slow

@@ -229,7 +229,7 @@ def _at_node(
 
 
 _FED_BACK: WeakKeyDictionary[FittedModel, WeakKeyDictionary[PreparedRecording, dict[str, Float]]] = WeakKeyDictionary()
-"""Torques of models that are still in use, and their slopes: several candidates are made of the same ones."""
+"""Torques of the model that is asked about, and their slopes: several candidates are made of the same ones."""
 
 
 def fed_back(terms: Sequence[Term], one: PreparedRecording, fitted: FittedModel) -> dict[str, Float]:
@@ -243,6 +243,8 @@ def fed_back(terms: Sequence[Term], one: PreparedRecording, fitted: FittedModel)
 
 def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
     """Return tau_rigid and tau_model (N,) of all joints, from the parameters of the model (never measured)."""
+    if fitted not in _FED_BACK:
+        _FED_BACK.clear()
     kept = _FED_BACK.setdefault(fitted, WeakKeyDictionary()).setdefault(one, {})
     if not kept:
         base = fitted.model.base()

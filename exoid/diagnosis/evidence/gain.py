@@ -103,6 +103,11 @@ class Evidence:
         self._fits, self._held_out = self._make_splits()
         self._losses = self._held_out.loss(self._fits.step[:, :, None])[:, 0]
 
+    def forget(self) -> None:
+        """Let go of what is made of the model's columns for candidates, and is made again where more are weighed."""
+        for kept in (self._kept, self._spans, self._transforms):
+            kept.clear()
+
     # -- the present model ------------------------------------------------------------------------------------
 
     def _unit_base(self, index: int, weight: Float) -> tuple[Float, Float, float]:

@@ -14,6 +14,8 @@ from exoid.diagnosis.evidence.score import Score, admissible, groups_of, own_nod
 
 AT_ONCE = 12
 """Nodes that are tried in one piece of work."""
+TOGETHER = 40_000
+"""Nodes times placebos whose sums are held at once: of an arm, 5 kB each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +68,19 @@ def as_good(
 
     different, back = evidence.different_shifts
     if search.own:
-        nodes = (evidence.shifted(some, v, by=different) for v in range(len(search.nodes)))
-        grams = Gram.stacked(nodes, len(search.nodes))
-        return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))[back]
-    out = np.zeros(len(different[0]), dtype=bool)
+        many = -(-len(search.nodes) * len(different[0]) // TOGETHER)
+        pieces, out = np.array_split(np.arange(len(different[0])), max(1, many)), []
+        for piece in pieces:
+            nodes = (evidence.shifted(some, v, by=[e[piece] for e in different]) for v in range(len(search.nodes)))
+            grams = Gram.stacked(nodes, len(search.nodes))
+            out.append(exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams)))))
+        return np.concatenate(out)[back]
+    good = np.zeros(len(different[0]), dtype=bool)
     for v in range(len(search.nodes)):
-        if not (left := np.flatnonzero(~out)).size:
+        if not (left := np.flatnonzero(~good)).size:
             break
-        out[left] = exceed(evidence.shifted(some, v, trained=True, by=[entry[left] for entry in different]))
-    return out[back]
+        good[left] = exceed(evidence.shifted(some, v, trained=True, by=[entry[left] for entry in different]))
+    return good[back]
 
 
 def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:

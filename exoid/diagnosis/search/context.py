@@ -69,7 +69,7 @@ class SearchContext:
     """The noise (J,) N·m beside a model with these terms."""
 
     own: dict[tuple[str, ...], tuple[FittedModel, ...]] = field(default_factory=dict)
-    """A model with these terms on recordings that it made itself."""
+    """The model with these terms on recordings that it made itself: of the one asked last, since those are large."""
 
     settled: set[tuple[str, str, frozenset[str]]] = field(default_factory=set)
     """Moves that changed nothing about a term, with the names of the terms at its joints then."""
@@ -174,6 +174,7 @@ class SearchContext:
             evidence = self.evidence(extension, self._draws())
             tick: Progress = lambda f, text: self.tick(low + f * (high - low), f"step {step}: {text}")  # noqa: E731
             self.ranked[key] = evidence, rank(evidence, self.library, extension.fitted, tick)
+            evidence.forget()
         return self.ranked[key]
 
     def _notice_sway(self, extension: Extension) -> None:
@@ -229,6 +230,7 @@ class SearchContext:
         key = self.key(extension)
         if key not in self.own:
             floor = self.prepared.noise_floor
+            self.own.clear()
             self.own[key] = tuple(made_by_itself(extension.fitted, floor, self.seed + k) for k in range(DRAWN))
         return self.own[key]
 
