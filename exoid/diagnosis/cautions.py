@@ -7,20 +7,18 @@ import numpy as np
 from exoid.diagnosis.evidence.best_effects import may_leave_noise
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.channels import COLUMNS, doubts_before, doubts_of_recordings, finite
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.own_numbers.compared import predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.measurement.finding import Finding
-from exoid.optimisation.fitting.identify import identify
+from exoid.measurement.finding import EVERY, Finding
 
 OUTSIDE = "outside"
 """What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""
 OWN = "of_recordings"
 """What the finding is called that numbers of recordings' own explain what the model leaves."""
-EVERY = "all recordings"
 
 
 def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
@@ -50,8 +48,7 @@ def _own_numbers(fitted: FittedModel, rules: Rules) -> tuple[Finding, ...]:
     """
     if np.all(times_noise(fitted) <= rules.near_noise) or (own := belonging_to(fitted, rules)) is None:
         return ()
-    without = own.applied(fitted.prepared)
-    beside = fitted_model(identify(fitted.model, without.train, optimisers=()), without)
+    beside = own.beside(fitted.model, fitted.prepared)
     if np.any(times_noise(beside) > rules.near_noise) or not predicts_better(fitted, beside, rules):
         return ()
     remedy = "`exoid discover` takes it into account"

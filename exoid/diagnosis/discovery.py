@@ -47,9 +47,9 @@ from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
-OTHERS_TOO = " So many differences at once may also be those of another machine."
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
+OTHERS_TOO = " So many differences at once may also be those of another machine."
 
 
 def discover(
@@ -153,8 +153,7 @@ def _beside_own(
         )
 
     def is_worth_asking(own: OwnNumbers) -> bool:
-        without = own.applied(given)
-        return is_worth(_on(identify(answer.model, without.train, optimisers=()), without))
+        return is_worth(own.beside(answer.model, given))
 
     # What belongs to recordings beside the model as given may be what an effect took the place of, or its trace.
     asked = dict.fromkeys((alone, beside))
@@ -275,9 +274,7 @@ def _answer(
     judged = found_last.judged_anew() if len(extensions) > 1 else prepared
     if not (on_all and judged is prepared):
         whole(0.95, "fitting what was found to the whole of the recordings")
-        # The steps on the way are judged on the same samples, or fitted anew where only stretches had been seen.
-        way = tuple(replace(item, fitted=_on(item.fitted.fit, judged)) for item in extensions[:-1])
-        extensions = (*way, *_on_all_of(judged, extensions[-1:])) if on_all else _on_all_of(judged, extensions)
+        extensions = _on_all_of(judged, extensions, anew=not on_all)
         done = replace(done, prepared=judged, base=extensions[0].fitted)
     last = extensions[-1].fitted
     doubt = doubts_after(done.base, last, rules)
@@ -368,11 +365,14 @@ def _part(tick: Progress, low: float, high: float) -> Progress:
     return lambda fraction, text: tick(low + fraction * (high - low), text)
 
 
-def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Extension, ...]:
-    """Return the models refitted to recordings of which the search had seen only stretches, or other spikes."""
+def _on_all_of(prepared: Prepared, extensions: Sequence[Extension], *, anew: bool) -> tuple[Extension, ...]:
+    """Return the models on recordings of which the search had seen other spikes, the last fitted anew; all of them are,
+    `anew`, where it had seen only stretches.
+    """
     out = []
-    for extension in extensions:
-        before = _as_of(extension.fitted.fit, prepared)
-        fit = identify(before.model, prepared.train, optimisers=(), start=before.start)
+    for k, extension in enumerate(extensions, start=1):
+        fit = _as_of(extension.fitted.fit, prepared)
+        if anew or k == len(extensions):
+            fit = identify(fit.model, prepared.train, optimisers=(), start=fit.start)
         out.append(replace(extension, fitted=fitted_model(fit, prepared)))
     return tuple(out)

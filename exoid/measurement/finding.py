@@ -16,6 +16,8 @@ from exoid.ground.plain import AsJson
 SEVERITIES = ("refused", "warning", "repaired", "info")
 """Worst first. "repaired": mended without guessing and therefore only reported; "refused": cannot be used."""
 
+EVERY = "all recordings"
+"""Where a finding is that is about all of them."""
 SELECTION = "selection"
 """What a finding is called that says which rows are left out by choice."""
 

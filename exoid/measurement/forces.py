@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from exoid.ground.errors import RecordingError
-from exoid.measurement.finding import Finding
+from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.reading.outside import INTERACTION
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import TORQUE, VERTICAL, Force
@@ -70,7 +70,7 @@ def unused_forces(model: Model, recordings: Sequence[Recording]) -> tuple[Findin
         else:
             why, remedy = "no force of the model has it", "name it among the columns of a force in [[forces]]"
         what = f"the force in column {name} is not used: {why}"
-        said.append(Finding("forces", "warning", what, "all recordings", remedy=remedy, consequence=PUSHED))
+        said.append(Finding("forces", "warning", what, EVERY, remedy=remedy, consequence=PUSHED))
     return tuple(said)
 
 

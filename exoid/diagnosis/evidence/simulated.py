@@ -20,7 +20,6 @@ from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.score import weigh
 from exoid.measurement.signals.conditioning import derivatives, low_pass
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.fitting.local_shape import own_shapes
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.motion import Float
 
@@ -37,8 +36,7 @@ def made_by_itself(fitted: FittedModel, floor: Float, seed: int) -> FittedModel:
     made = [_made(fitted, item, shape, np.maximum(floor, 1e-12), rng) for item, shape in pairs]
     count = len(fitted.prepared.train)
     prepared = replace(fitted.prepared, train=tuple(made[:count]), verify=tuple(made[count:]))
-    shape = fitted.fit.shapes if own_shapes(fitted.model) else fitted.fit.shape  # the truth of them
-    return fitted_model(identify(fitted.model, prepared.train, optimisers=(), shape=shape), prepared)
+    return fitted_model(identify(fitted.model, prepared.train, optimisers=(), shape=fitted.fit.start), prepared)
 
 
 Simulated = tuple[FittedModel, Evidence]

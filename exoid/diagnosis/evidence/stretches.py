@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.measurement.finding import Finding
+from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.signals.conditioning import response_seconds
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
@@ -47,7 +47,7 @@ def searched(prepared: Prepared, part: Prepared, rules: Rules = RULES) -> tuple[
     whole, seen = (sum(_seconds(item) for item in p.all) for p in (prepared, part))
     what = f"suspects were searched in {len(part.all)} stretches, {seen / 60:.0f} min of {whole / 60:.0f} min"
     remedy = "nothing to do: errors, parameters and intervals are of the whole recordings"
-    return (Finding("stretches", "info", what, "all recordings", seen, rules.whole_seconds, remedy),)
+    return (Finding("stretches", "info", what, EVERY, seen, rules.whole_seconds, remedy),)
 
 
 def _seconds(one: PreparedRecording) -> float:

@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.ties import index_of_least, least_of
-from exoid.measurement.signals.masks import Mask, straight
+from exoid.measurement.signals.masks import Mask, straight_columns
 from exoid.measurement.signals.spikes import spikes
 from exoid.optimisation.linear.factor import factorise
 from exoid.symbolic.evaluation import carrying
@@ -224,8 +224,7 @@ class _Readings:
         changed = change(recording.wide_tau, seconds * recording.rate)
         if change is _without_lag:
             nearest = ALIKE[int(np.argmin(np.abs(np.log(seconds / np.array(ALIKE)))))]
-            spoilt = self._spoilt(index, nearest)
-            changed = np.column_stack([straight(x, bad) for x, bad in zip(changed.T, spoilt.T, strict=True)])
+            changed = straight_columns(changed, self._spoilt(index, nearest))
         changed = changed if which is None else np.where(which, changed, recording.wide_tau)
         return recording.smooth(changed - self.known[index])
 

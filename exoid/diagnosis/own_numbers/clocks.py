@@ -12,8 +12,9 @@ from exoid.diagnosis.hypotheses import Claim, nothing, sentence_on
 from exoid.diagnosis.own_numbers.compared import predicts_better, total
 from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.rules import Rules
+from exoid.measurement.finding import EVERY
 from exoid.measurement.recording import Recording
-from exoid.optimisation.preparation.clocks import EVERY, GROUPS, late_clocks, on_one_clock
+from exoid.optimisation.preparation.clocks import GROUPS, late_clocks, on_one_clock
 from exoid.symbolic.quantity import Estimate
 
 WIDTHS = (0.3, 0.1, 0.03)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from exoid.diagnosis.evidence.apart import Apart
-from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits
@@ -18,10 +18,12 @@ from exoid.diagnosis.rules import Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import least_of
+from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.linear.uncertainty import covariance
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
@@ -99,13 +101,18 @@ class OwnNumbers:
         many = dict.fromkeys(names, 0)
         for held in self.held:
             for name in {names[self.parts[j].recording] for group in held.groups for j in group}:
-                many[name] += 1 + (len(held.claim.nodes) > 1)
+                many[name] += held.count
         return any(many[item.recording] >= model.friction.stop for item in recordings)
 
     def as_many_as(self, part: float) -> bool:
         """True if recordings differ in as many ways as `part` of a machine's numbers, zeros not counted."""
-        ways = sum(1 + (len(held.claim.nodes) > 1) for held in self.held if not held.claim.everyone)
+        ways = sum(held.count for held in self.held if not held.claim.everyone)
         return ways >= part * self.now.model.friction.stop
+
+    def beside(self, model: Model, prepared: Prepared) -> FittedModel:
+        """A model on the recordings without the torque that belongs to them alone, fitted to these."""
+        without = self.applied(prepared)
+        return fitted_model(identify(model, without.train, optimisers=()), without)
 
     def applied(self, prepared: Prepared) -> Prepared:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the

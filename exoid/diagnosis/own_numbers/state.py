@@ -27,6 +27,11 @@ class Claimed:
     node: float
     groups: tuple[tuple[int, ...], ...]
 
+    @property
+    def count(self) -> int:
+        """Numbers that tell it in one group: of what has a place, that place, too."""
+        return 1 + (len(self.claim.nodes) > 1)
+
 
 State = tuple[Claimed, ...]
 

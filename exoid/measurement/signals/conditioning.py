@@ -27,7 +27,7 @@ from exoid.measurement.signals.butterworth import (
 )
 from exoid.measurement.signals.compiled import POLES
 from exoid.measurement.signals.holes import BRIEF_HOLE, HOLE_STEPS, MISSING_STEPS, interpolated
-from exoid.measurement.signals.masks import straight
+from exoid.measurement.signals.masks import straight_columns
 from exoid.measurement.signals.spikes import spikes, spikes_beside
 from exoid.measurement.stance import stances_of
 from exoid.symbolic.mechanics.payload import Payload
@@ -141,7 +141,7 @@ class UniformSignals:
     @cached_property
     def despiked(self) -> Float:
         """Torque (N, J) in N·m with straight lines across spikes."""
-        return np.column_stack([straight(x, bad) for x, bad in zip(self.tau.T, self.spikes.T, strict=True)])
+        return straight_columns(self.tau, self.spikes)
 
 
 def uniform_sampling(recording: Recording, force: Float | None = None) -> UniformSignals:

@@ -26,3 +26,8 @@ def straight(x: Float, hidden: Mask) -> Float:
     out = x.copy()
     out[hidden] = np.interp(at[hidden], at[~hidden], x[~hidden])
     return out
+
+
+def straight_columns(x: Float, hidden: Mask) -> Float:
+    """Return `x` (N, J) with straight lines across the samples `hidden` (N, J), column by column."""
+    return np.column_stack([straight(column, bad) for column, bad in zip(x.T, hidden.T, strict=True)])

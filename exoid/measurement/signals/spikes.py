@@ -108,21 +108,19 @@ def without_chatter(tau: Float, far: Mask, rate: float) -> Mask:
     """
     out = far.copy()
     for j in np.flatnonzero(np.count_nonzero(far, axis=0) > DENSE * len(far)):
-        out[:, j] &= not _moves(tau[:, j], far[:, j], rate)
+        share, times = carried(tau[:, j], far[:, j], rate)
+        out[:, j] &= not (share > CARRIED and times > ALIGNED)
     return out
 
 
-def _moves(tau: Float, far: Mask, rate: float) -> bool:
-    off = tau - straight(tau, far)
-    random = float(np.sqrt(np.mean(off**2) / _count(rate)))
-    return carried(tau, far, rate) > CARRIED and float(averaged(off, rate).std()) > ALIGNED * random
-
-
-def carried(tau: Float, far: Mask, rate: float) -> float:
-    """Part of a slow torque (N,) that is in those of its samples that are `far` off the line between the others."""
+def carried(tau: Float, far: Mask, rate: float) -> tuple[float, float]:
+    """Part of a slow torque (N,) that is in those of its samples that are `far` off the line between the others, and
+    how many times what they would hold with random signs.
+    """
     off = tau - straight(tau, far)
     slow, bursts = (float(averaged(values, rate).std()) for values in (tau, off))
-    return bursts / slow if slow > 0.0 else 0.0
+    random = float(np.sqrt(np.mean(off**2) / _count(rate)))
+    return (bursts / slow, bursts / random) if slow > 0.0 and random > 0.0 else (0.0, 0.0)
 
 
 def averaged(values: Float, rate: float) -> Float:

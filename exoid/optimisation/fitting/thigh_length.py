@@ -15,7 +15,7 @@ import numpy as np
 
 from exoid.ground.plain import AsJson
 from exoid.ground.thresholds import threshold
-from exoid.measurement.finding import Finding
+from exoid.measurement.finding import EVERY, Finding
 from exoid.optimisation.linear.problem import LinearData
 from exoid.optimisation.linear.solve import solve_huber
 from exoid.optimisation.linear.uncertainty import covariance
@@ -78,7 +78,7 @@ class ThighLength(AsJson):
 
     def finding(self) -> Finding:
         """Return the answer as a finding: a warning where the length seems to be wrong."""
-        said = self.sentence, "all recordings", self.value if self.told else None, self.assumed
+        said = self.sentence, EVERY, self.value if self.told else None, self.assumed
         if not self.wrong:
             return Finding("thigh_length", "info", *said)
         remedy = f"measure it, and give it in a model file: [geometry] thigh_length = {self.value:.3g}"

@@ -14,7 +14,7 @@ import numpy as np
 
 from exoid.ground.thresholds import threshold
 from exoid.ground.ties import least_of
-from exoid.measurement.finding import Finding
+from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.conditioning import low_pass
 from exoid.optimisation.linear.loss import Bool
@@ -24,8 +24,6 @@ from exoid.symbolic.motion import Float
 
 CLOCKS = "clock_rate"
 """What the finding on them is called."""
-EVERY = "all recordings"
-"""The name of a clock that is that of all recordings."""
 GROUPS = 10
 """Parts of a recording that are left out one by one, which tells how far its clocks are known (jackknife)."""
 CHANCE = threshold(

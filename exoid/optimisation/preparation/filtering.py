@@ -36,7 +36,7 @@ from exoid.measurement.signals.conditioning import (
     wave_products,
 )
 from exoid.measurement.signals.derivatives import METHODS
-from exoid.measurement.signals.masks import straight, widen
+from exoid.measurement.signals.masks import straight_columns, widen
 from exoid.measurement.signals.methods import BUTTERWORTH
 from exoid.measurement.signals.spikes import spikes_beside
 from exoid.optimisation.linear.loss import Bool
@@ -164,7 +164,7 @@ class PreparedRecording:
         """Return the recording with the samples `bad` (N, J), spikes, hidden beside those that do not count anyhow."""
         assert self.read is not None
         tau, missing = self.read.tau, self.read.missing
-        wide = np.column_stack([straight(x, off) for x, off in zip(tau.T, (bad | missing).T, strict=True)])
+        wide = straight_columns(tau, bad | missing)
         outliers = (bad & ~self.lost).mean(axis=0)
         if self.read.brief.size:
             outliers += self.read.brief.mean(axis=0)

@@ -21,7 +21,7 @@ from exoid.ground.ties import index_of_greatest
 from exoid.measurement.auditing.checks.scale import check_scales
 from exoid.measurement.auditing.convention import check_conventions
 from exoid.measurement.auditing.masses import check_masses
-from exoid.measurement.finding import Finding
+from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.forces import force_signals, unused_forces
 from exoid.measurement.overlap import held_apart
 from exoid.measurement.reading.given import Given, question_of
@@ -284,7 +284,7 @@ def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[st
     if most.max() < NOTED:
         return ()
     many = bool(most.max() > MANY)
-    worst = _most_spikes(prepared[index_of_greatest(shares.max(axis=1))], joints) if many else "all recordings"
+    worst = _most_spikes(prepared[index_of_greatest(shares.max(axis=1))], joints) if many else EVERY
     told = ", ".join(f"{joint} up to {100 * share:.2g} %" for joint, share in zip(joints, most, strict=True))
     what = f"spikes of the torque were hidden before filtering ({told} of the samples)"
     remedy = "look at the torque sensor and its cable" + ("" if many else " if this is unexpected")

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from exoid.ground.thresholds import threshold
-from exoid.measurement.finding import Finding
+from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.signals.conditioning import UniformSignals, noise_density, quiet_noise
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.motion import Float
@@ -46,7 +46,7 @@ def smoothed_findings(
     each = [quiet_noise(item.tau, item.rate, 0.5 * item.rate, gap) for item, gap in zip(even, bridged, strict=True)]
     torques = np.max(each, axis=0)
     span = np.max([element.span for element in even], axis=0)
-    where = names[0] if len(names) == 1 else "all recordings"
+    where = names[0] if len(names) == 1 else EVERY
     of_angles = FILTERED if np.any(pulls & (torques > NOISY * span)) else ANGLES
     found = (
         _finding(of_angles, "angle", joints, moves & (angles < ENCODER * reach), angles, ENCODER, "q", where),

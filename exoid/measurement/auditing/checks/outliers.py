@@ -37,14 +37,14 @@ def check(recording: Recording) -> list[Finding]:
         what = f"{share:.1%} of the {channel.label}s stand far off their neighbours on either side"
         severity, value, limit = "info", share, NOTED
         remedy, consequence = "nothing: they are hidden from every fit", "none: they do not enter a fit"
-        held = carried(recording.tau[:, j], recording.far_off[:, j], recording.rate)
+        held, _ = carried(recording.tau[:, j], recording.far_off[:, j], recording.rate)
         if held > CARRIED and averaged(channel.values, recording.rate).std() > spread:
             severity, value, limit = "warning", held, CARRIED
             what += f", and {value:.0%} of the slow torque lies in them"
             remedy = "log the torque as the drive filters it, or faster than the controller changes it"
             kept = not recording.spikes[:, j].any()
             consequence = (
-                "kept as a drive's chatter, which a few samples of it tell roughly" if kept
+                "kept as a drive's chatter: its samples are too few to tell the torque well" if kept
                 else "hidden as a sensor's spikes, they leave little to fit where the drive does chatter"
             )  # fmt: skip
         elif share > DENSE:
