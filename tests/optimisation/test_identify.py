@@ -60,6 +60,18 @@ def test_a_fit_shows_and_writes_itself(fit):
     assert len(fit.plot().axes) == 4
 
 
+def test_a_joint_that_is_modelled_badly_bends_the_other_less_where_joints_are_weighted():
+    clean = record(noise=2.0, samples=700, step=0.05)
+    bump = np.where(clean.motion.q[:, 0] > np.median(clean.motion.q[:, 0]), 60.0, 0.0)
+    bent = replace(clean, torque=clean.torque + np.outer([0.0, 1.0], bump))
+    plain, weighted = (identify(Leg(), [bent], weighted=asked) for asked in (False, True))
+    assert np.all(plain.weight == 1.0) and np.prod(weighted.weight) == pytest.approx(1.0)
+    assert weighted.rms[0] < 0.9 * plain.rms[0] and weighted.rms[1] >= plain.rms[1]
+    assert np.abs(weighted.residual - (bent.torque - weighted.data.columns @ weighted.linear)).max() < 1e-9
+    assert weighted.certificate.gap <= 1e-13 and weighted.runs["nfo_whitened"].gap <= 1e-10
+    assert abs(weighted.reference.gap) <= 1e-10
+
+
 def test_same_seed_same_fit():
     data = [record(noise=5.0, outliers=0.1, samples=300, step=0.1)]
     first, second = (identify(Leg(), data, optimisers={"nfo": Search(NFO())}, seed=4) for _ in range(2))

@@ -158,7 +158,8 @@ class Outcome:
 def contest_of(fit: Fit, individuals: int = INDIVIDUALS, generations: int = GENERATIONS) -> Contest:
     """Return the Huber problem of `fit`; shape parameters stay where the fit found them."""
     name = f"{fit.model.name}: {', '.join(fit.recordings)}"
-    return _proven(name, fit.joints, fit.data, fit.delta, individuals, generations)
+    data = fit.data.weighted(fit.weight)
+    return _proven(name, fit.joints, data, fit.delta * fit.weight, individuals, generations)
 
 
 def paper_contest(

@@ -52,17 +52,21 @@ class Assembly:
         self._tried: dict[tuple[int, int], dict[bytes, Float]] = {}
         self._written: dict[tuple[int, int], bytes] = {}
         self._factors = Factors()
+        self.weight = np.ones(len(model.joints))
+        """Weight (J,) of each joint's torque in what is handed out."""
         self._tau = np.concatenate([recording.torque for recording in self.prepared], axis=1)
         self._use = np.concatenate([recording.used for recording in self.prepared], axis=1)
         self._groups = np.repeat(np.arange(len(self.prepared)), [len(recording.kept) for recording in self.prepared])
 
     def data(self, shape: Float | None = None, reference: Float | None = None) -> LinearData:
         """Return the linear data for shape values ((S,), or (R, S) one row per recording) and `reference` (P,)."""
-        columns = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
+        parts = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
+        columns = np.concatenate(parts, axis=1)
+        columns *= self.weight[:, None, None]
         return LinearData(
-            columns=np.concatenate(columns, axis=1)[:, :, : len(self.model.parameters)],
+            columns=columns[:, :, : len(self.model.parameters)],
             owned=True,
-            tau=self._torque(columns),
+            tau=self._torque(parts) * self.weight[:, None],
             groups=self._groups,
             names=tuple(p.name for p in self.model.parameters),
             units=tuple(p.unit for p in self.model.parameters),
@@ -147,7 +151,7 @@ class Assembly:
         many = max(1, TOGETHER // (data.columns[:, :, places].size * max(1, round(self._thinned))))
         for some in np.array_split(nodes, -(-len(nodes) // many)):
             parts = [self._following(recording, places, some, reference) for recording in self.prepared]
-            columns = np.concatenate(parts, axis=2) * data.use[:, :, None]
+            columns = np.concatenate(parts, axis=2) * (data.use * self.weight[:, None])[:, :, None]
             columns = columns.reshape(len(some), -1, len(places))
             rows = np.ascontiguousarray(np.swapaxes(columns, 1, 2))
             onto, slope = rows @ basis, rows @ rest

@@ -54,7 +54,8 @@ class Fit(AsJson):
 
     `estimates` are the linear parameters (`linear`, (P,)), then the shape parameters (`shape`, (S,)), with 95 %
     intervals valid under autocorrelated residuals. `shapes` (R, S) are the shape parameters of each recording, which
-    differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m.
+    differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m; the
+    `loss` counts the misses of each joint times its `weight` (J,).
     `best_known` says that shape parameters were searched, so that only the linear part carries a proof.
     `plausibility` is what to be careful about. `held` says what asking for a possible machine changed; None where
     nobody asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there
@@ -70,6 +71,7 @@ class Fit(AsJson):
     shape: Float
     shapes: Float = field(repr=False)
     delta: Float
+    weight: Float
     rms: Float
     loss: float
     runs: Mapping[str, OptimiserRun]
@@ -182,8 +184,8 @@ class Fit(AsJson):
     def _json(self) -> dict[str, Any]:
         return {
             "model": self.model.name, "recordings": self.recordings, "joints": self.joint_names,
-            "parameters": by_name(self.estimates), "delta": self.delta, "rms": self.rms, "loss": self.loss,
-            "best_known": self.best_known, "starts_agreeing": self.agreeing, "runs": self.runs,
+            "parameters": by_name(self.estimates), "delta": self.delta, "weight": self.weight, "rms": self.rms,
+            "loss": self.loss, "best_known": self.best_known, "starts_agreeing": self.agreeing, "runs": self.runs,
             "reference": self.reference, "certificate": self.certificate, "sse": self.sse,
             "plausibility": self.plausibility, "physical": self.held, "seconds": self.seconds,
         }  # fmt: skip

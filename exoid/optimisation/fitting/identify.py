@@ -27,7 +27,7 @@ from exoid.optimisation.fitting.shape_fit import shape_method, solve_shape
 from exoid.optimisation.fitting.shape_problem import solution
 from exoid.optimisation.fitting.shapes import STARTS
 from exoid.optimisation.linear.certificate import Certificate, certify
-from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.loss import huber, joint_weights
 from exoid.optimisation.linear.physical import Physics, certify_physical, physics
 from exoid.optimisation.linear.problem import huber_problem, sse_problem
 from exoid.optimisation.linear.reference import Reference, solve_reference
@@ -76,10 +76,12 @@ def identify(
     possible = physics(model) if asked.physical else None
     assembly = Assembly(model, data)
     found = _stages(assembly, asked, possible, progress or (lambda text: None))
-    best, best_shape, limits, stage = found.best, found.shape, found.huber.delta, found.huber
+    best, best_shape, delta, stage = found.best, found.shape, found.huber.delta, found.huber
+    limits = delta * assembly.weight
     changed = None if possible is None else held(best, limits, possible)
 
     spread = spread_of(assembly, best, best_shape, limits)
+    fitted = best.data.weighted(1.0 / assembly.weight)
     estimates = estimates_of(model, best.linear, best_shape, spread, possible)
     centre_shape = middle(best_shape)
     known = possible is not None and not possible.broken(best.linear)
@@ -96,15 +98,16 @@ def identify(
         linear=best.linear,
         shape=centre_shape,
         shapes=np.broadcast_to(best_shape, (len(data), centre_shape.size)),
-        delta=limits,
-        rms=best.data.rms(best.linear),
+        delta=delta,
+        weight=assembly.weight,
+        rms=fitted.rms(best.linear),
         loss=stage.loss,
         runs=stage.runs,
         reference=stage.reference,
         certificate=stage.certificate,
         plausibility=cautions,
         sse=found.sse,
-        data=best.data.alone,
+        data=fitted.alone,
         covariance=spread.matrix,
         best_known=bool(model.shapes),
         lag=spread.lag,
@@ -142,8 +145,12 @@ def _stages(assembly: Assembly, asked: FitSettings, possible: Physics | None, sa
     )
     first.data.require_enough(model.joints)
     sse = proof.stage("sse", first, middle(first_shape), infinite, first.linear)
-    delta = asked.delta
-    limits = delta_rule(first.data.residual(first.linear), use=first.data.use) if delta is None else np.asarray(delta)
+    left = delta_rule(first.data.residual(first.linear), use=first.data.use)
+    delta = left if asked.delta is None else np.asarray(asked.delta)
+    if asked.weighted:
+        assembly.weight = joint_weights(left)
+        first = replace(first, data=first.data.weighted(assembly.weight))
+    limits = delta * assembly.weight
 
     say("Huber")
     if model.needs_reference or (model.shapes and shape is None):
@@ -151,10 +158,10 @@ def _stages(assembly: Assembly, asked: FitSettings, possible: Physics | None, sa
     else:  # the columns stay what they were
         best_shape = first_shape
         best = replace(first, linear=solution(first.data, limits, possible, first.linear))
-    # δ and the box of the Huber search come from least squares on the columns of the shape found last.
-    centre = first.linear if best.data is first.data else solve_sse(best.data)
-    stage = proof.stage("huber", best, middle(best_shape), limits, centre)
-    return _Stages(sse, stage, best, best_shape, agreeing)
+    # The box of the Huber search comes from least squares on the columns of the shape found last.
+    squares = first.linear if best.data is first.data and not asked.weighted else solve_sse(best.data)
+    stage = proof.stage("huber", best, middle(best_shape), limits, squares)
+    return _Stages(sse, replace(stage, delta=delta), best, best_shape, agreeing)
 
 
 def _spacing(one: PreparedRecording) -> float:

@@ -50,7 +50,7 @@ def shapes_for(fit: Fit, prepared: Prepared) -> Float:
     train = np.broadcast_to(fit.shapes, (len(prepared.train), len(model.shapes)))
     own = own_shapes(model)
     rows = [
-        _fit_own(model, recording, fit.linear, np.array(fit.shape), own, fit.delta) if own else np.array(fit.shape)
+        _fit_own(fit, recording, own) if own else np.array(fit.shape)
         for recording in prepared.verify
     ]
     return np.array([*train, *rows], dtype=float).reshape(len(prepared.all), len(model.shapes))
@@ -60,25 +60,22 @@ def own_of_halves(fit: Fit, one: PreparedRecording) -> Float:
     """Return the shape values (2, S) by which the two halves of a recording are judged: its own ones fitted to the
     other half.
     """
-    own, shape = own_shapes(fit.model), np.array(fit.shape)
+    own = own_shapes(fit.model)
     early = np.arange(one.used.shape[1]) < one.used.shape[1] // 2
     halves = (replace(one, used=one.used & part) for part in (~early, early))
-    return np.array([_fit_own(fit.model, half, fit.linear, shape, own, fit.delta) for half in halves])
+    return np.array([_fit_own(fit, half, own) for half in halves])
 
 
-def _fit_own(
-    model: Model, one: PreparedRecording, linear: Float, shape: Float, own: Sequence[int], delta: Float
-) -> Float:
-    """Return `shape` with the values of index `own` fitted to one recording, everything else fixed."""
-
-    best = shape.copy()
+def _fit_own(fit: Fit, one: PreparedRecording, own: Sequence[int]) -> Float:
+    """Return the shape of `fit` with the values of index `own` fitted to one recording, everything else fixed."""
+    model, best = fit.model, np.array(fit.shape)
     for _ in range(2 if len(own) > 1 else 1):
         for index in own:
             entry = model.shapes[index].shape
             joint = shape_joint(model, model.shapes[index])
             path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
-            losses = _own_losses(model, one, linear, best, index, delta)
+            losses = _own_losses(model, one, fit.linear, best, index, fit.delta * fit.weight, fit.weight)
             k = index_of_least(losses(trials))
             low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
             best[index] = minimum(_one_by_one(losses), low, high, NUDGE * (high - low))[0]
@@ -86,20 +83,20 @@ def _fit_own(
 
 
 def _own_losses(
-    model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int, delta: Float
+    model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int, delta: Float, weight: Float
 ) -> Callable[[Float], Float]:
-    """Function that gives the Huber losses (V,) on one recording at V values of shape `index`, everything else held;
-    torques pass the filter, not columns: it is linear.
+    """Function that gives the Huber losses (V,) on one recording at V values of shape `index`, everything else held,
+    with weighted joints; torques pass the filter, not columns: it is linear.
     """
     still, joints, moving = model.moving_torque(one.motion, linear, shape, index)
     use, own = one.used, list(joints)
-    rest = np.where(use, one.torque - one.smooth(still), 0.0)
+    rest = np.where(use, one.torque - one.smooth(still), 0.0) * weight[:, None]
     others = np.setdiff1d(np.arange(len(rest)), own)
     known = huber(rest[others], delta[others])
 
     def losses(values: Float) -> Float:
         moved = one.smooth_rows(moving(values), joints, 1)
-        size = np.abs(rest[own] - np.where(use[own], moved, 0.0))
+        size = np.abs(rest[own] - np.where(use[own], moved, 0.0) * weight[own][:, None])
         return np.asarray(known + np.sum(huber_terms(size, delta[own][:, None]), axis=(1, 2)))
 
     return losses
@@ -128,7 +125,7 @@ def descend(problem: ShapeProblem, start: Float, delta: Float) -> Float:
             linear = problem.solved(best).linear
             moved = np.array(
                 [
-                    _nudge(model, recording, linear, row, far, delta)
+                    _nudge(model, recording, linear, row, far, delta, problem.assembly.weight)
                     for recording, row in zip(prepared, best, strict=True)
                 ]
             )
@@ -195,12 +192,14 @@ def _step(
     return shapes, value
 
 
-def _nudge(model: Model, one: PreparedRecording, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
+def _nudge(
+    model: Model, one: PreparedRecording, linear: Float, shape: Float, far: Float, delta: Float, weight: Float
+) -> Float:
     """Return one recording's shape values with its own ones moved to a smaller loss, linear parameters held."""
     best = shape.copy()
     for index in own_shapes(model):
         entry = model.shapes[index].shape
-        loss = _one_by_one(_own_losses(model, one, linear, best, index, delta))
+        loss = _one_by_one(_own_losses(model, one, linear, best, index, delta, weight))
         at = float(best[index])
         low, high = max(entry.min, at - far[index]), min(entry.max, at + far[index])
         found, least = minimum(loss, low, high, NUDGE * (high - low))

@@ -90,7 +90,10 @@ def neighbours(fit: Fit, model: Model, prepared: Prepared, recordings: Sequence[
         cutoff = factor * prepared.choice.cutoff
         try:
             again = prepare(model, recordings, cutoff=cutoff, derivative=prepared.derivative)
-            near = identify(model, again.train, optimisers=(), start=fit.start, physical=fit.held is not None)
+            near = identify(
+                model, again.train, optimisers=(), start=fit.start, physical=fit.held is not None,
+                weighted=bool(np.any(fit.weight != 1.0)),
+            )  # fmt: skip
         except ExoidError:  # too fast for the recordings' clock: then there is no such neighbour
             continue
         cutoffs.append(cutoff)

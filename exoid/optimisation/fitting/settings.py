@@ -32,6 +32,7 @@ class FitOptions(TypedDict, total=False):
     shape: Float | None
     start: Float | None
     delta: Float | None
+    weighted: bool
     physical: bool
     shape_search: str
 
@@ -46,6 +47,10 @@ class FitSettings(VerbSettings):
     shape: Float | None = setting(None, "shape parameters (S,), fixed instead of searched")
     start: Float | None = setting(None, "where shape parameters are searched, (S,) or (R, S), and only from there")
     delta: Float | None = setting(None, "thresholds (J,) of the Huber loss, fixed instead of by the 14 % rule")
+    weighted: bool = setting(
+        False, "misses count in parts of what is left of their joint, as is usual for arms: a joint that is modelled "
+        "badly does not bend the others"
+    )
     physical: bool = setting(
         False, "only parameters that some machine could have: positive masses and inertias, friction that brakes"
     )

@@ -114,10 +114,11 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))
     with_zeros = _data(fit, zeros, "zero")
     data = _data(fit, np.concatenate([zeros, weight], axis=2), "zero")
-    linear = solve_huber(data, fit.delta)
-    left = with_zeros.rms(solve_huber(with_zeros, fit.delta))
+    limits = fit.delta * fit.weight
+    linear = solve_huber(data, limits)
+    left = with_zeros.rms(solve_huber(with_zeros, limits))
     gain = 1.0 - (data.rms(linear) / np.maximum(left, 1e-300)) ** 2
-    spread = covariance(data.columns, data.residual(linear), fit.delta, data.groups, factor=data.factor)
+    spread = covariance(data.columns, data.residual(linear), limits, data.groups, factor=data.factor)
     pick = [names.index(COUPLING), linear.size - 1]
     value, low, high = math.nan, 0.0, math.inf
     if not set(pick) & set(spread.undetermined):
@@ -130,13 +131,13 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
 
 
 def _data(fit: Fit, extra: Float, name: str) -> LinearData:
-    """Return the data of `fit` with columns `extra` (J, K, E) more."""
+    """Return the weighted data of `fit` with columns `extra` (J, K, E) more."""
     data, count = fit.data, extra.shape[2]
     names = (*data.names, *(f"{name} {k}" for k in range(count)))
     return LinearData(
         np.concatenate([data.columns, extra], axis=2), data.tau, data.groups, names, (*data.units, *("N·m",) * count),
         data.use,
-    )  # fmt: skip
+    ).weighted(fit.weight)  # fmt: skip
 
 
 def _shifted(area: Float, e: float) -> Float:

@@ -17,6 +17,8 @@ from exoid.symbolic.motion import Float
 
 Bool = NDArray[np.bool_]
 
+MOST_WEIGHT = 100.0
+"""Weight of a joint, of the least of the others, at most: one that fits perfectly must not be all that counts."""
 OUTLIER_SHARE = 0.14
 """The paper's rule: δ leaves this share of the samples of each joint outside."""
 
@@ -43,3 +45,14 @@ def delta_rule(residual: Float, share: float = OUTLIER_SHARE, use: Bool | None =
     delta = np.array([np.quantile(s[u], 1.0 - share) if u.any() else 0.0 for s, u in zip(size, usable, strict=True)])
     floor = 1e-9 * max(1.0, float(size.max(initial=0.0)))
     return np.asarray(np.maximum(delta, floor))
+
+
+def joint_weights(delta: Float) -> Float:
+    """Return the weight (J,) of each joint's misses, the inverse of its threshold `delta` (J,) in parts of their
+    geometric mean: what is left of a joint that is modelled badly then does not bend the others.
+
+    Weighted least squares by the deviation of each joint is usual for arms (Gautier, Poignet, Extended Kalman filtering
+    and weighted least squares dynamic identification of robot, 2001).
+    """
+    held = np.maximum(delta, np.max(delta) / MOST_WEIGHT)
+    return np.asarray(np.exp(np.mean(np.log(held))) / held)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -105,6 +105,14 @@ class LinearData:
         vars(kept).pop("factor", None)
         object.__setattr__(kept, "factoriser", factorise)
         return kept
+
+    def weighted(self, weight: Float) -> LinearData:
+        """Return the same with every joint's torque times its `weight` (J,): in the units that a loss then counts."""
+        if np.all(weight == 1.0):
+            return self
+        return replace(
+            self, columns=self.columns * weight[:, None, None], tau=self.tau * weight[:, None], owned=True
+        )
 
     def require_enough(self, joints: Sequence[Joint]) -> None:
         """Refuse data with fewer usable samples than parameters; one of `joints` that never moves may have none."""

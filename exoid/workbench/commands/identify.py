@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     add_question(parser)
     seldom = Seldom(parser)
-    add_settings(seldom, FitSettings, "physical", shape_search={"metavar": "HOW", "type": str})
+    add_settings(seldom, FitSettings, "physical", "weighted", shape_search={"metavar": "HOW", "type": str})
     seldom.add_argument(
         "--per-recording", action="store_true",
         help="every parameter from every recording alone: which numbers can be trusted, and what to record",
