@@ -13,13 +13,14 @@ from exoid.measurement.auditing.audit import audit
 from exoid.measurement.auditing.convention import check_conventions
 from exoid.measurement.reading.conventions import combined_map, conventions, conventions_of_machine, read_as
 from exoid.measurement.recording import Recording
-from exoid.symbolic.joints import Joint
+from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.mechanics.newton_euler import BaseMotion, link_torques
 
 DRIVE = (Joint("axis"),)
 SLIDE = (Joint("carriage", "prismatic"),)
 RAIL = (Joint("rail", "prismatic", 0.2), Joint("boom", length=0.3))
 ANKLE = (Joint("hip", length=0.42), Joint("knee", length=0.4), Joint("ankle"))
+ARM = (Joint("shoulder", length=0.3), Joint("elbow"))
 PAIR = (Joint("left"), Joint("right", parent="base"))
 INERTIA = {"J": 0.3, "X": 0.8, "m": 4.0}
 
@@ -87,6 +88,28 @@ def test_a_convention_of_any_machine_is_named_and_the_option_puts_it_right(joint
     right = read_as(kept(run, names), names)
     np.testing.assert_allclose(right.q, run.q, atol=1e-9)
     np.testing.assert_allclose(right.tau, run.tau, atol=1e-9)
+
+
+@pytest.mark.parametrize("joints", [LEG, ARM])
+@pytest.mark.parametrize("times", ["1:0:1:1", "0:1:1:1"])
+def test_torques_that_are_sums_of_two_drives_are_told_and_put_right(joints, times):
+    """As of a differential, or where a driver's map is wrong; one drive stands on the base and rubs there."""
+    run = moved(joints)
+    shank = np.gradient(run.q.sum(axis=1), run.t)
+    rubs = 0.3 * run.tau.std() * np.tanh(shank / 0.05) + 0.1 * run.tau.std() * shank
+    run = replace(run, tau=run.tau + rubs[:, None])
+    name = f"torque-sums={times}"
+    (finding,) = check_conventions([kept(run, name)])
+    assert finding.remedy == f"if so, give --convention {name}" and "tau1" in finding.what
+    right = read_as(kept(run, name), name)
+    np.testing.assert_allclose(right.tau, run.tau, atol=1e-9)
+    assert not [item for item in check_conventions([right]) if name in item.remedy]
+
+
+def test_sums_that_no_torques_are_found_from_again_are_refused():
+    for wrong in ("torque-sums=1:1:1:1", "torque-sums=1:1:1"):
+        with pytest.raises(RecordingError, match=wrong):
+            read_as(moved(LEG), wrong)
 
 
 @pytest.mark.parametrize("joints", [DRIVE, SLIDE, RAIL, ANKLE, PAIR])

@@ -19,6 +19,7 @@ from exoid.measurement.reading.conventions import (
     conventions,
     conventions_of_machine,
     gear,
+    torque_sums,
 )
 from exoid.symbolic.joints import LEG, Joint, is_leg, is_spatial
 
@@ -36,6 +37,8 @@ TURNING = threshold(
     __name__, "TURNING", 2.5,
     "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
 )  # fmt: skip
+TIMES = (1, 0, -1, 2, -2)
+"""How often a recorded torque counts in a joint's, the usual first."""
 RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
 """Gear ratios tried."""
 
@@ -51,6 +54,11 @@ class ConventionHypothesis:
     def what(self) -> str:
         """The reading in words."""
         return " and ".join(name.what for name in self.names) or "angles and torques need no --convention"
+
+    @property
+    def sums(self) -> bool:
+        """True if joints' torques are sums of the recorded ones."""
+        return any(name.sums for name in self.names)
 
     @property
     def sides(self) -> bool:
@@ -81,6 +89,8 @@ def stages(now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, 
     if now > WRONG and not all_tried:
         for _ in range(MOST - FEW):
             yield lambda best: _extended(best, joints, still)
+    if now > WRONG and len(joints) == FEW_JOINTS:
+        yield lambda best: _of_two_drives(joints, still)
 
 
 def _stages_in_space(now: float, turning: Sequence[int], joints: tuple[Joint, ...]) -> Iterator[Stage]:
@@ -214,6 +224,25 @@ def _in_degrees(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHypot
         return ()
     some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints, still)
     return tuple(hypothesis(("degrees", *(c.name for c in item.names)), joints) for item in some)
+
+
+@cache
+def _of_two_drives(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHypothesis, ...]:
+    """Return the readings of two recorded torques of which the joints' are sums or differences, as of a differential
+    or of a driver that maps them wrongly, with the angles as they stand or with one name.
+    """
+    if joints[0].turns != joints[1].turns:
+        return ()
+    known = {_key(item.map, joints, still) for item in readings(MOST, joints, still)}
+    angles = [item.names for item in readings(1, joints, still) if all(name.torque is None for name in item.names)]
+    found: dict[tuple[float, ...], ConventionHypothesis] = {}
+    for names, times in product(angles, product(TIMES, repeat=4)):
+        if abs(times[0] * times[3] - times[1] * times[2]) in (1, 2):
+            chosen = sorted((torque_sums((times[:2], times[2:]), joints), *names), key=lambda one: one.order)
+            item = ConventionHypothesis(tuple(chosen), combined_map(chosen, joints))
+            if (key := _key(item.map, joints, still)) not in known:
+                found.setdefault(key, item)
+    return tuple(found.values())
 
 
 def _geared_readings(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:

@@ -11,8 +11,15 @@ from numpy.typing import NDArray
 from exoid.ground.thresholds import threshold
 from exoid.measurement.auditing.hypotheses import ConventionHypothesis
 from exoid.measurement.auditing.non_negative import non_negative
-from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
-from exoid.measurement.reading.conventions import Map, combined_map, conventions
+from exoid.measurement.auditing.rough import (
+    TURNS,
+    Smooth,
+    either_sign,
+    friction_at_the_base,
+    machine_columns,
+    smooth,
+)
+from exoid.measurement.reading.conventions import combined_map, conventions
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_spatial, parents
@@ -80,10 +87,10 @@ def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypot
     moves = [[m.q[m.keep].std(axis=0) > stands for m in group] for group in sets]
     alike: dict[bytes, list[int]] = {}
     for k, kind in enumerate(kinds):
-        alike.setdefault(np.concatenate([kind.map.angle.ravel(), kind.map.zero]).tobytes(), []).append(k)
+        alike.setdefault(np.array([*kind.map.angle.flat, *kind.map.zero, kind.sums]).tobytes(), []).append(k)
     out = np.zeros(len(kinds))
     for places in alike.values():
-        sums = [_sums(group, moving, kinds[places[0]].map) for group, moving in zip(thinned, moves, strict=True)]
+        sums = [_sums(group, moving, kinds[places[0]]) for group, moving in zip(thinned, moves, strict=True)]
         out[places] = _shares(sums, np.stack([kinds[k].map.torque for k in places]), most)
     return out
 
@@ -130,7 +137,8 @@ class _Sums:
     either: int = 0
 
 
-def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sums:
+def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], kind: ConventionHypothesis) -> _Sums:
+    to = kind.map
     tau = np.concatenate([motion.tau for motion in group])
     counts = np.concatenate([item.measured[:, None] & m for m, item in zip(moves, group, strict=True)])
     apart = is_spatial(group[0].joints)
@@ -148,7 +156,8 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sum
     forces = {name: np.concatenate([entry.forces[name] for entry in group]) for name in shared}
     q, dq, ddq, seen = q @ turn + to.zero, dq @ turn, ddq @ turn, np.asarray(counts.any(axis=1))
     whole = replace(group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen)
-    y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
+    own = (machine_columns(whole), _stops(whole.q), *((friction_at_the_base(whole),) if kind.sums else ()))
+    y = np.concatenate(own, axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
     size, count = y.shape[2], tau.shape[1]
     if apart:

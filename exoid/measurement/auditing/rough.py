@@ -28,7 +28,7 @@ from exoid.measurement.recording import Recording
 from exoid.measurement.signals.butterworth import both_ways, low_pass_filter
 from exoid.measurement.signals.masks import widen
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import LEG, Joint, Vector, is_leg, is_spatial, parents
+from exoid.symbolic.joints import LEG, Joint, Vector, ancestors, is_leg, is_spatial, parents
 from exoid.symbolic.mechanics.base_parameters import base_parameters, pull_of
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from exoid.symbolic.mechanics.pushed import pushed_torques
@@ -251,6 +251,21 @@ def machine_columns(motion: Smooth) -> Float:
         for other in count:
             out[other] += [column if other == k else np.zeros(len(q)) for column in own]
     return np.concatenate([np.stack([np.column_stack(row) for row in out]), pushed], axis=2)
+
+
+def friction_at_the_base(motion: Smooth) -> Float:
+    """Return the columns (J, K, F) of the friction of drives that stand on the base, dry and viscous: at the speed of
+    each further link against it.
+    """
+    found = [np.zeros((motion.q.shape[1], len(motion.q), 0))]
+    for k, joint in enumerate(motion.joints):
+        above = [m for m in ancestors(motion.joints, k) if motion.joints[m].turns == joint.turns]
+        if len(above) > 1:
+            speed = motion.dq[:, above].sum(axis=1)
+            own = np.zeros((motion.q.shape[1], len(motion.q), 2))
+            own[above] = np.column_stack([np.tanh(speed / (TURNS * joint.reach)), speed])
+            found.append(own)
+    return np.concatenate(found, axis=2)
 
 
 def either_sign(motion: Smooth) -> int:

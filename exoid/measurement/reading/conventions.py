@@ -36,7 +36,8 @@ class Convention:
     them where nothing is said; `order`: lower ones are applied first.
 
     `what` completes "it looks as if ...", `explains` says to a user what recordings of this convention hold. `unusual`
-    counts, beside another reading with as many names, against it.
+    counts, beside another reading with as many names, against it. Where joints' torques are `sums` of the recorded
+    ones, the drives may stand elsewhere.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Convention:
     torque: Rows | None = None
     zero: tuple[float, ...] = ()
     unusual: float = 0.0
+    sums: bool = False
 
 
 OF_THE_LEG: Mapping[str, tuple[str, str, str]] = {
@@ -274,9 +276,11 @@ def _zero(joint: int, at: float, joints: Sequence[Joint]) -> Convention:
 
 _GEAR = re.compile(r"([A-Za-z][A-Za-z0-9_]*)-motor(|-angle|-torque)=(\d{1,4}(?:\.\d{1,4})?)")
 _ZERO = re.compile(r"([A-Za-z][A-Za-z0-9_]*)-zero=(-?\d{1,4}(?:\.\d{1,9})?)")
-NUMBERED = "JOINT-motor=N, JOINT-motor-angle=N, JOINT-motor-torque=N, JOINT-zero=N"
+_SUMS = re.compile(r"torque-sums=(-?\d(?::-?\d)*)")
+NUMBERED = "JOINT-motor=N, JOINT-motor-angle=N, JOINT-motor-torque=N, JOINT-zero=N, torque-sums=N:N:..."
 """Conventions with a number: angle and torque, or only one of them, on the motor's side of a gear of ratio N; the zero
-of a joint at N degrees (m where it slides) of the model's."""
+of a joint at N degrees (m where it slides) of the model's; joints' torques that are sums of the recorded ones, so many
+times each, row by row."""
 
 
 def gear(joint: int, part: str, ratio: float, joints: Sequence[Joint] = LEG) -> Convention:
@@ -288,6 +292,20 @@ def gear(joint: int, part: str, ratio: float, joints: Sequence[Joint] = LEG) -> 
     what = f"the {of} {kind} on the motor's side of a gear of about {ratio:.4g}"
     name = f"{of}-motor{part and f'-{part}'}={ratio:.4g}"
     return Convention(name, 1, what, "", None if part == "torque" else turn, None if part == "angle" else force)
+
+
+def torque_sums(times: Sequence[Sequence[int]], joints: Sequence[Joint] = LEG) -> Convention:
+    """Return the convention of recordings of whose torques those of `joints` are sums, `times` (J, J) each."""
+    said = " and ".join(f"{joint.name} {_sum_in_words(row)}" for joint, row in zip(joints, times, strict=True))
+    name = "torque-sums=" + ":".join(str(int(factor)) for row in times for factor in row)
+    what = f"the joints' torques are sums of the recorded ones ({said})"
+    return Convention(name, 2, what, "", torque=tuple(tuple(map(float, row)) for row in times), sums=True)
+
+
+def _sum_in_words(row: Sequence[int]) -> str:
+    """Return "2 tau1 - tau2" for (2, -1)."""
+    parts = [f"{'+-'[n < 0]} {f'{abs(n)} ' if abs(n) > 1 else ''}tau{k + 1}" for k, n in enumerate(row) if n]
+    return " ".join(parts).removeprefix("+ ")
 
 
 def conventions(called: str | Iterable[str], joints: tuple[Joint, ...] = LEG) -> tuple[Convention, ...]:
@@ -310,6 +328,11 @@ def _named(name: str, joints: tuple[Joint, ...]) -> Convention:
     placed = _ZERO.fullmatch(name)
     if placed and placed[1] in names(joints):
         return _zero(names(joints).index(placed[1]), float(placed[2]), joints)
+    summed = _SUMS.fullmatch(name)
+    if summed and len(times := [int(x) for x in summed[1].split(":")]) == len(joints) ** 2:
+        rows = np.array(times).reshape(len(joints), -1)
+        if round(float(np.linalg.det(rows))):
+            return torque_sums(rows.tolist(), joints)
     known = conventions_of_machine(joints)
     if name not in known:
         whose = "" if is_leg(joints) else f" of a machine with {', '.join(names(joints))}"
