@@ -41,18 +41,21 @@ class Apart(AsJson):
 
 def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
     """Indices of the recordings, fitted ones first, that are apart from the others; () where none or too many are."""
-    grams = _Grams(base)
-    count = len(base.prepared.all)
+    evidence, count = base.evidence(seed=0, draws=0, rules=rules), len(base.prepared.all)
+    units = evidence.of == np.arange(count)[:, None]
+    samples = np.array([np.count_nonzero(item.used) for item in base.prepared.all])
     out: list[int] = []
     plain: tuple[int, ...] = ()
     while len(out) + 1 <= MOST * count and count - len(out) - 1 >= OTHERS:
-        rest = [k for k in range(count) if k not in out]
-        without = [grams.errors([j for j in rest if j != k], [j for j in rest if j != k]) for k in rest]
-        worst = rest[index_of_least([float(np.nansum(item)) for item in without])]
-        out.append(worst)
-        rest.remove(worst)
-        left = grams.errors(rest, [*rest, *out])
-        if all(_plain(own, np.nan_to_num(left[: len(rest)]).max(axis=0), rules).any() for own in left[len(rest) :]):
+        rest = np.setdiff1d(np.arange(count), out)
+        without = units[rest].any(axis=0) & ~units[rest]
+        fits = evidence.fits(without)
+        losses = evidence.held_out(without).loss(fits.step[:, :, None])[:, 0]
+        worst = index_of_least(losses / np.maximum(samples[rest].sum() - samples[rest], 1))
+        out.append(int(rest[worst]))
+        left = _shares(replace(base, residuals=evidence.residuals(fits.step[worst])))
+        others = np.nan_to_num(left[np.delete(rest, worst)]).max(axis=0)
+        if all(_plain(left[k], others, rules).any() for k in out):
             plain = tuple(sorted(out))
     return plain
 
@@ -173,33 +176,3 @@ def _shares(fitted: FittedModel) -> Float:
             if item.driven[j] and item.used[j].any():
                 out[k, j] = np.mean(residual[j, item.used[j]] ** 2) / power[j]
     return out
-
-
-class _Grams:
-    """Sums over each recording and joint, from which a fit to any of the recordings and what it leaves follow."""
-
-    def __init__(self, base: FittedModel) -> None:
-        power, model = _power(base), base.model
-        self.gram, self.slope, self.square, self.count = [], [], [], []
-        for item, shape in zip(base.prepared.all, base.shapes, strict=True):
-            raw = model.columns(item.motion, shape, base.linear if model.needs_reference else None)
-            columns = item.smooth_columns(raw)
-            known = (item.used & item.driven[:, None]) / np.sqrt(power)[:, None]
-            known = np.nan_to_num(known)
-            rows, tau = columns * known[:, :, None], item.torque * known
-            self.gram.append(rows.swapaxes(1, 2) @ rows)
-            self.slope.append((rows.swapaxes(1, 2) @ tau[:, :, None])[:, :, 0])
-            self.square.append(np.sum(tau**2, axis=1))
-            self.count.append(np.count_nonzero(known, axis=1))
-
-    def errors(self, fitted: Sequence[int], asked: Sequence[int]) -> Float:
-        """Return the share (A, J) of the torques' variance that a fit to some recordings leaves of those `asked`."""
-        gram = sum(self.gram[k].sum(axis=0) for k in fitted)
-        slope = sum(self.slope[k].sum(axis=0) for k in fitted)
-        size = np.sqrt(np.maximum(np.diagonal(gram), 1e-300))
-        x = np.linalg.lstsq(gram / np.outer(size, size), slope / size, rcond=1e-10)[0] / size
-        out = []
-        for k in asked:
-            left = self.square[k] - 2.0 * self.slope[k] @ x + np.einsum("p,jpq,q->j", x, self.gram[k], x)
-            out.append(np.where(self.count[k] > 0, np.maximum(left, 0.0) / np.maximum(self.count[k], 1), np.nan))
-        return np.array(out)

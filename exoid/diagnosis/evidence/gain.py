@@ -131,6 +131,10 @@ class Evidence:
         inverse = inverse_of(gram + np.diag(self.prior))
         return Fits(units * 1.0, inverse, (inverse @ slope[:, :, None])[:, :, 0])
 
+    def residuals(self, step: Float) -> tuple[Float, ...]:
+        """Return what the present model leaves (J, K) of each recording after a step (P,) of its own numbers."""
+        return tuple(block.residual - block.columns @ step for block in self.blocks)
+
     def _make_splits(self) -> tuple[Fits, HeldOut]:
         """Fits of all splits, and the units that each holds out; the last are the verification recordings."""
         training = np.flatnonzero(self.is_train)
