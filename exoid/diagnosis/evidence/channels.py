@@ -15,6 +15,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.gram import left_of
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.pushes import turned_force
 from exoid.diagnosis.evidence.timing import late_torque
@@ -148,24 +149,13 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
     """Doubt where every torque is a function of the angles alone, and inertia and friction explain less than half of
     what these leave: a machine that is moved by hand while its drives carry its weight.
     """
-    train = base.prepared.train
-    still = [_at_rest(base, recording) for recording in train]
-    left = []
+    still, left = [_at_rest(base, recording) for recording in base.prepared.train], []
     for joint in range(len(base.model.joints)):
-        seen = [item.used[joint] & item.driven[joint] for item in train]
-        columns, tau, residual = (
-            np.concatenate([part[use] for part, use in zip(parts, seen, strict=True)])
-            for parts in (
-                [columns[joint] for columns in still],
-                [entry.torque[joint] for entry in train],
-                [each[joint] for each in base.residuals[: len(train)]],
-            )
-        )
+        tau, residual, rest = _left_beside(base, still, joint)
         if tau.size and tau.var() > 0.0:
-            rest = np.var(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
-            if rest > rules.negligible * tau.var() or np.mean(residual**2) < rules.half * rest:
+            if rest.var() > rules.negligible * tau.var() or np.mean(residual**2) < rules.half * rest.var():
                 return None
-            left.append(rest / tau.var())
+            left.append(rest.var() / tau.var())
     if not left:
         return None
     return Doubt(
@@ -176,6 +166,19 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
         "column is a command computed from the angles. What is left of it is no effect of the machine.",
         "record motion that the drives make, and log the torque that they produce",
     )
+
+
+def _left_beside(fitted: FittedModel, columns: Sequence[Float], joint: int) -> tuple[Float, Float, Float]:
+    """A torque where its joint moves in fitted motion, what the model leaves of it, and what `columns` (J, K, P) of
+    each recording do.
+    """
+    train, residuals = fitted.prepared.train, fitted.residuals
+    seen = [item.used[joint] & (item.driven[joint] and not item.standing[joint]) for item in train]
+    tau, left, rows = (
+        np.concatenate([part[joint][use] for part, use in zip(parts, seen, strict=False)])
+        for parts in ([item.torque for item in train], residuals, columns)
+    )
+    return tau, left, left_of(rows, tau)
 
 
 def _at_rest(base: FittedModel, one: PreparedRecording) -> Float:
@@ -272,29 +275,17 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
     """
     if np.any(times_noise(last) > rules.near_noise):
         return None
-    model, train = last.model, last.prepared.train
-    rigid = len(model.inertial)
+    model, reference = last.model, last.linear if last.model.needs_reference else None
     columns = [
-        recording.smooth_columns(model.columns(recording.motion, at, last.linear if model.needs_reference else None))
-        for recording, at in zip(train, last.shapes, strict=False)
+        item.smooth_columns(model.columns(item.motion, at, reference))[:, :, len(model.inertial) :]
+        for item, at in zip(last.prepared.train, last.shapes, strict=False)
     ]
     told = []
     for j, joint in enumerate(model.joints):
-        seen = [item.used[j] & (item.driven[j] and not item.standing[j]) for item in train]
-        rest, tau, left = (
-            np.concatenate([part[j][use] for part, use in zip(parts, seen, strict=True)])
-            for parts in (
-                [each[:, :, rigid:] for each in columns],
-                [recording.torque for recording in train],
-                last.residuals[: len(train)],
-            )
-        )  # fmt: skip
-        if not tau.size or not np.any(tau):
+        tau, residual, without = _left_beside(last, columns, j)
+        if not np.any(tau):
             continue
-        size = np.linalg.norm(rest, axis=0)
-        rest = rest[:, size > 0.0] / size[size > 0.0]
-        without = tau - rest @ np.linalg.lstsq(rest, tau, rcond=None)[0]
-        share = 1.0 - float(np.sum(left**2) / max(float(np.sum(without**2)), 1e-300))
+        share = 1.0 - float(np.sum(residual**2) / max(float(np.sum(without**2)), 1e-300))
         if share >= rules.worth_telling:
             return None
         told.append(f"{joint.name} {100 * max(share, 0.0):.1g} %")

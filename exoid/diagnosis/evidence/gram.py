@@ -216,3 +216,8 @@ def weighted_fit(
     slope = sum(np.tensordot(y, r, ((0, 1), (0, 1))) for y, r in zip(weighted, residuals, strict=True))
     inverse = inverse_of(gram + np.diag(prior))
     return inverse, np.asarray(inverse @ slope)
+
+
+def left_of(columns: Float, wanted: Float) -> Float:
+    """Return what columns (K, P) leave of `wanted` (K,) or (K, W) at the numbers that fit it best."""
+    return np.asarray(wanted - columns @ (inverse_of(columns.T @ columns) @ (columns.T @ wanted)))

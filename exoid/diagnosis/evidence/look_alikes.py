@@ -110,14 +110,13 @@ def look_alikes(
         if gains_beside(evidence, best, score, columns):
             continue
         loss = joint_losses(evidence, evidence.plain(columns), columns)
-        difference = loss.sum(axis=0) - reference
-        spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
+        behind = lag(loss.sum(axis=0), reference)
         practically = score.share >= evidence.rules.practically * best[0].share
         elsewhere = leaves_joints(loss, by_joint, best[0].candidate, evidence.rules)
         if practically and score.candidate.numbers < best[0].candidate.numbers:
             out[score.name] = 0.0
-        elif difference.sum() < evidence.rules.clear * spread and not elsewhere:
-            out[score.name] = float(difference.sum() / spread)
+        elif behind < evidence.rules.clear and not elsewhere:
+            out[score.name] = behind
     return out
 
 

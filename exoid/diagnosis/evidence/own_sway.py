@@ -2,8 +2,7 @@
 
 Whoever starts a recorder does not ask the stand for its phase. At a given frequency the torque of the sway is linear in
 its sine and cosine parts, so each recording can have its own, and only the frequency is searched. The model's numbers
-are those of all fitted recordings. Each recording is judged by halves: one half with the sway that the other half
-shows.
+are those of all recordings. Each is judged by halves: one half with the sway that the other half shows.
 
 A sway shifted in time is the same sway with another phase, so time-shifted placebos cannot say what is chance here.
 These placebos are shifted in frequency, each recording by another amount: what has no line of its own that all
@@ -12,17 +11,18 @@ recordings share gains as much from a frequency in one and a neighbouring one in
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
-from exoid.diagnosis.evidence.gain import RecordingEvidence
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Gram
 from exoid.diagnosis.evidence.swinging import advice_at, swinging
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.ties import least_of
+from exoid.ground.ties import index_of_greatest
 from exoid.optimisation.fitting.phases import phases_of
 from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.motion import Float
@@ -38,7 +38,11 @@ MOST = 100
 ASIDE, APART = 2, 2.0
 """Times that part to which placebos reach, and how far they are shifted at least, in reciprocal durations."""
 ROUNDS = 2
-"""Times that the model's numbers are fitted: the torque of the sway is proportional to the masses."""
+"""Times that sway and model's numbers are fitted: the torque of the sway is proportional to the masses."""
+FINER = 9
+"""Parts of a step between frequencies to which the best one is found."""
+AT_ONCE = 32
+"""Frequencies whose columns are held in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,32 +105,65 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
         return None
     if not places_of(effect, model.joints):
         return None
-    lasts = [float(item.t[-1] - item.t[0]) for item in last.prepared.all]
+    every = last.prepared.all
+    lasts = [float(item.t[-1] - item.t[0]) for item in every]
     step = 1.0 / (FINE * max(lasts))
     count = min(MOST, int(NEAR * swing.hertz / step))
-    tried = _within(swing.hertz, step, count)
-    candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 2)), False)
-    blocks = last.evidence(seed=0, draws=0).blocks
-    known = {float(f): _read(last, blocks, candidate, float(f)).known for f in tried}
-    if not known:
-        return None
-    found = _read(last, blocks, candidate, least_of(known, lambda f: known[f][0]))
-    for finer in (step / 3.0, step / 9.0):
-        about = [_read(last, blocks, candidate, found.hertz + side * finer) for side in (-1.0, 1.0)]
-        found = least_of([found, *about], lambda one: one.cost)
-    for _ in range(ROUNDS - 1):
-        numbers = replace(last.fit, linear=last.linear + found.change[: len(last.linear)])
-        found = _read(replace(last, fit=numbers), blocks, candidate, found.hertz)
-    judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
-    before, after = last.evaluation_rms, pooled_rms(found.left[judged], last.prepared.all[judged])
-    whole, left = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
-    if left > (1.0 - rules.half) * whole:
-        return None
     wide = _within(swing.hertz, step, ASIDE * count)
-    known |= {f: _read(last, blocks, candidate, f).known for f in map(float, wide) if f not in known}
-    gains = np.array([known[f][1] for f in map(float, wide)]).T
-    near, apart = np.isin(wide, tried), int(np.ceil(APART / (min(lasts) * step)))
-    return OwnSway(found.hertz, np.array(found.parts), before, after, chance_of(gains, near, apart, rules.placebos))
+    near = np.abs(wide - swing.hertz) <= (count + 0.5) * step
+    if not near.any():
+        return None
+    candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 2)), False)
+    evidence = _by_halves(last, rules)
+    gains = _gains(evidence, last, candidate, wide)
+    best = wide[near][index_of_greatest(gains.sum(axis=0)[near])]
+    finer = best + step / FINER * np.arange(1 - FINER, FINER)
+    hertz = float(finer[index_of_greatest(_gains(evidence, last, candidate, finer).sum(axis=0))])
+    carrier, joints = last, tuple(range(len(noise)))
+    for _ in range(ROUNDS):
+        own = [item.full(0, len(noise)) for item in _columns(carrier, candidate, np.array([hertz]))]
+        # Those of all recordings beside each other, since all share the numbers of the model.
+        beside = [np.kron(one, x) for x, one in zip(own, np.eye(len(own)), strict=True)]
+        grams = evidence.plain([Columns(joints, x[None]) for x in beside])
+        parts, change = evidence.fitted(grams)
+        carrier = replace(last, fit=replace(last.fit, linear=last.linear + change[: len(last.linear)]))
+    left = [block.residual.copy() for block in evidence.blocks]
+    for unit, moved, those in evidence.held_out_fits(grams):
+        index, weight = evidence.unit(unit)
+        fitted = evidence.blocks[index].columns @ moved + beside[index] @ those
+        left[index] -= np.where(weight > 0.0, fitted, 0.0)
+    judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
+    before, after = last.evaluation_rms, pooled_rms(left[judged], every[judged])
+    whole, rest = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
+    if rest > (1.0 - rules.half) * whole:
+        return None
+    apart = int(np.ceil(APART / (min(lasts) * step)))
+    return OwnSway(hertz, parts.reshape(len(every), -1), before, after, chance_of(gains, near, apart, rules.placebos))
+
+
+def _by_halves(last: FittedModel, rules: Rules) -> Evidence:
+    """Return the evidence of which the halves of all recordings are held out, one after the other."""
+    blocks = last.evidence(seed=0, draws=0, rules=rules).blocks
+    halves = [replace(block, fold=2 * np.arange(len(block.fold)) // len(block.fold)) for block in blocks]
+    return Evidence(halves, (), seed=0, draws=0, rules=replace(rules, most_folds=2 * len(halves)))
+
+
+def _columns(last: FittedModel, candidate: Candidate, hertz: Float) -> list[Columns]:
+    """Return the columns of sways at frequencies (F,) on every recording."""
+    nodes = np.column_stack([hertz, np.zeros(len(hertz))])
+    return [candidate_columns(candidate, nodes, item, last) for item in last.prepared.all]
+
+
+def _gains(evidence: Evidence, last: FittedModel, candidate: Candidate, hertz: Float) -> Float:
+    """Return by how much a sway at frequencies (F,) lowers the loss of every recording (R, F), each half with the sway
+    that the other half shows.
+    """
+    recordings, out = np.arange(len(evidence.blocks)), []
+    for some in np.array_split(hertz, len(hertz) // AT_ONCE + 1):
+        grams = evidence.plain(_columns(last, candidate, some))
+        own = [Gram(grams.rows * (evidence.of == k)[:, None, None, None]) for k in recordings]
+        out.append([evidence.gain(gram).total for gram in own])
+    return np.concatenate(out, axis=1)
 
 
 def _within(hertz: float, step: float, count: int) -> Float:
@@ -151,84 +188,3 @@ def chance_of(gains: Float, near: np.ndarray, apart: int, most: int) -> float:
     placebos = np.max(gains[0, places] + np.sum(each, axis=0), axis=1)
     as_good = int(np.count_nonzero(placebos >= np.max(gains[:, places].sum(axis=0))))
     return (1 + as_good) / (1 + draws)
-
-
-@dataclass(frozen=True, eq=False)
-class _Reading:
-    """The model with a sway at one frequency: squared error of the fitted recordings, the change of the model's
-    numbers, and of every recording the columns (J, K, 4) of the sway, its weights, and what it must explain (J, K).
-    """
-
-    hertz: float
-    cost: float
-    change: Float
-    swings: list[Float]
-    weights: list[Float]
-    blocks: Sequence[RecordingEvidence]
-
-    @property
-    def wanted(self) -> list[Float]:
-        """Residual (J, K) of the changed model in every recording, sway included."""
-        return [block.residual - block.columns @ self.change for block in self.blocks]
-
-    @property
-    def parts(self) -> list[Float]:
-        """Sine and cosine parts (4,) of the sway in every recording."""
-        each = zip(self.swings, self.wanted, self.weights, strict=True)
-        return [_solved(_flat(swing, weight), (wanted * weight).ravel()) for swing, wanted, weight in each]
-
-    @property
-    def known(self) -> tuple[float, list[float]]:
-        """The cost, and by how much the weighted squared error of every recording falls, each half by the other."""
-        each = zip(self.wanted, self.left, self.weights, strict=True)
-        falls = [float(np.sum((wanted * w) ** 2) - np.sum((left * w) ** 2)) for wanted, left, w in each]
-        return self.cost, falls
-
-    @property
-    def left(self) -> list[Float]:
-        """Residual (J, K) of every recording, with the sway of each half as the other half shows it taken off."""
-        each = zip(self.swings, self.wanted, self.weights, strict=True)
-        return [wanted - _by_halves(swing, wanted, weight) for swing, wanted, weight in each]
-
-
-def _read(carrier: FittedModel, blocks: Sequence[RecordingEvidence], candidate: Candidate, hertz: float) -> _Reading:
-    """Fit the model's numbers and the sway together; `blocks` are the recordings beside the model, `carrier` the masses
-    that sway.
-    """
-    prepared, scale = carrier.prepared, np.maximum(carrier.train_rms, 1e-12)
-    nodes, count = np.array([[hertz, 0.0]]), len(prepared.train)
-    swings = [candidate_columns(candidate, nodes, item, carrier).full(0, len(scale)) for item in prepared.all]
-    weights = [block.use / scale[:, None] for block in blocks]
-    rows, rest = [], []
-    for swing, block, weight in zip(swings[:count], blocks, weights, strict=False):
-        both = _flat(np.concatenate([block.columns, block.residual[:, :, None]], axis=2), weight)
-        own = _flat(swing, weight)
-        both = both - own @ _solved(own, both)  # whatever sway it has of its own
-        rows.append(both[:, :-1])
-        rest.append(both[:, -1])
-    change = _solved(np.concatenate(rows), np.concatenate(rest))
-    cost = float(sum(np.sum((y - x @ change) ** 2) for x, y in zip(rows, rest, strict=True)))
-    return _Reading(hertz, cost, change, swings, weights, blocks)
-
-
-def _by_halves(swing: Float, wanted: Float, weight: Float) -> Float:
-    """Return the torque (J, K) of the sway, in each half of a recording as the other half shows it."""
-    out, middle = np.zeros_like(wanted), wanted.shape[1] // 2
-    for item, other in ((slice(0, middle), slice(middle, None)), (slice(middle, None), slice(0, middle))):
-        parts = _solved(_flat(swing[:, other], weight[:, other]), (wanted * weight)[:, other].ravel())
-        out[:, item] = swing[:, item] @ parts
-    return out
-
-
-def _flat(columns: Float, weight: Float) -> Float:
-    """Return weighted columns (J·K, m) of columns (J, K, m)."""
-    return (columns * weight[:, :, None]).reshape(-1, columns.shape[2])
-
-
-def _solved(columns: Float, wanted: Float) -> Float:
-    """Return the least-squares solution, columns of any size and of none."""
-    length = np.linalg.norm(columns, axis=0)
-    length[length == 0.0] = 1.0
-    even = columns / length
-    found = np.linalg.pinv(even.T @ even, rcond=1e-12, hermitian=True) @ (even.T @ wanted)
-    return np.asarray(found / (length if found.ndim == 1 else length[:, None]))

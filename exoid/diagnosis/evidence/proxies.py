@@ -13,7 +13,7 @@ import numpy as np
 from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
-from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import block_losses, refine
 from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
@@ -82,8 +82,7 @@ def beaten(
             curve = BetterCurve(splines.columns, tuple(parts), rules.curve_ridge, share)
             if mine >= rules.most * curve.share:
                 return None
-            lead = losses - _blocks(parts, splines.columns, rules.curve_ridge)
-            clear = lead.sum() >= rules.clear * np.sqrt(np.sum((lead - lead.mean()) ** 2))
+            clear = lag(losses, _blocks(parts, splines.columns, rules.curve_ridge)) >= rules.clear
             return curve if clear and curve.supersedes(term) else None
 
         tried = (pair for pair in tried_curves(now.model.joints) if not own or may_move(*pair))
