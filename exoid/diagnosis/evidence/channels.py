@@ -14,16 +14,14 @@ from dataclasses import replace
 import numpy as np
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gram import left_of
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.pushes import turned_force
 from exoid.diagnosis.evidence.timing import late_torque
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.errors import NotEnoughDataError
 from exoid.measurement.finding import Finding
 from exoid.measurement.stance import UPWARDS
-from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.clocks import CLOCKS
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.smoothed import FILTERED
@@ -219,17 +217,13 @@ def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:
     """Return the names of recordings of which the model leaves much of the torque even if it is fitted to one alone,
     where it explains the others so; [] where they are alike, or most of them odd.
     """
-    odd, known = [], 0
-    for item in base.prepared.all:
-        try:
-            alone = identify(base.model, (item,), optimisers=())
-        except NotEnoughDataError:
-            continue
-        known += 1
-        share = left_share(fitted_model(alone, replace(base.prepared, train=(item,), verify=())))
+    evidence, odd, every = base.evidence(seed=0, draws=0, rules=rules), [], base.prepared.all
+    for item, block, step in zip(every, evidence.blocks, evidence.alone.step, strict=True):
+        own = replace(base.prepared, train=(item,), verify=())
+        share = left_share(replace(base, residuals=(block.residual - block.columns @ step,), prepared=own))
         if np.nanmax(share, initial=0.0) > rules.unexplained_share:
             odd.append(item.name)
-    return odd if 2 * len(odd) < known else []
+    return odd if 2 * len(odd) < len(every) else []
 
 
 COLUMNS = (

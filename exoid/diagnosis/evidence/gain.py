@@ -151,7 +151,7 @@ class Evidence:
         return self.fits(self.is_train[None])
 
     @cached_property
-    def _alone(self) -> Fits:
+    def alone(self) -> Fits:
         """The present model fitted to each recording alone."""
         return self.fits(self.of == np.arange(len(self.blocks))[:, None])
 
@@ -391,13 +391,13 @@ class Evidence:
 
     def recording_gains(self, grams: Gram) -> tuple[Float, Float]:
         """Return coefficients (R, m, D) and gain (R, D), each recording fitted alone, base and candidate alike."""
-        return self._alone.candidate(grams, self.ridge())[::2]
+        return self.alone.candidate(grams, self.ridge())[::2]
 
     def gains_once(self, grams: Gram, step: Float) -> Float:
         """Return the gain (R, ...) on each recording of a candidate's only column as it is, nothing fitted, the model's
         own numbers moved by `step` (P, ...); both may have axes of their own in D.
         """
-        each = grams.of(self._alone.units)
+        each = grams.of(self.alone.units)
         # Sums with all of the model's columns would take gigabytes for an arm: its step along those few is enough.
         few = step if each.lift is None else np.tensordot(each.lift.T, step, 1)
         of_step = np.einsum("p...,rp...->r...", few, each.few[:, :, 0])

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.splines import spline_columns
 from exoid.diagnosis.rules import RULES, Rules
@@ -181,8 +182,7 @@ def _view(base: FittedModel, index: int, sample: Float) -> _View:
 
 
 def _solved(gram: Float, slope: Float) -> Float:
-    size = np.sqrt(np.maximum(np.diagonal(gram), 1e-300))
-    return np.asarray(np.linalg.lstsq(gram / np.outer(size, size), slope / size, rcond=1e-10)[0] / size)
+    return np.asarray(inverse_of(gram) @ slope)
 
 
 def _quiet_part(windows: Windows, rules: Rules) -> tuple[Float, NDArray[np.bool_]] | None:

@@ -24,13 +24,13 @@ import numpy as np
 
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
+from exoid.diagnosis.evidence.gram import weighted_fit
 from exoid.diagnosis.evidence.swinging import swinging
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.ties import least_of
 from exoid.measurement.signals.compiled import solved_banded
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.linear.factor import factorise
 from exoid.symbolic.columns import slopes_of
 from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.evaluation import carrying
@@ -266,14 +266,12 @@ def _left(
     """Residual (J, K) of every recording at the numbers that fit the first `count` best."""
     free = np.array([entry.term != links[0].term.name for entry in links[0].model.parameters])
     linear = np.where(free, linear, 0.0)  # the twist is not in the model a second time
+    weights = [link.one.used / scale[:, None] ** 2 for link in links[:count]]
     for _ in range(rounds):
         pairs = [link.read(compliance, linear) for link in links]
-        weights = [link.one.used / scale[:, None] for link in links[:count]]
-        rows = [(x * w[:, :, None])[:, :, free].reshape(w.size, -1) for (x, _), w in zip(pairs, weights, strict=False)]
-        right = [(y * w).ravel() for (_, y), w in zip(pairs, weights, strict=False)]
-        factor = factorise(np.concatenate(rows))
+        columns, wanted = zip(*pairs[:count], strict=True)
         linear = np.zeros(len(linear))
-        linear[free] = factor.backward @ (factor.basis.T @ np.concatenate(right))
+        linear[free] = weighted_fit([x[:, :, free] for x in columns], weights, wanted, np.zeros(free.sum()))[1]
     return [wanted - columns @ linear for columns, wanted in pairs]
 
 
