@@ -8,8 +8,8 @@ from exoid.diagnosis.report.sections.verdict import term
 
 if TYPE_CHECKING:
     from exoid.apps.page.workspace import Names, Workspace
+    from exoid.diagnosis.evidence.fitted import FittedModel
     from exoid.diagnosis.results import Diagnosis
-    from exoid.diagnosis.session.ranking import Trial
 
 
 def found(workspace: Workspace, names: Names) -> Diagnosis | None:
@@ -54,7 +54,7 @@ def error(workspace: Workspace, names: Names) -> list[float] | None:
     return [item * float(ratio) for item, ratio in zip(before, fall, strict=True)]
 
 
-def trial(workspace: Workspace, names: Names) -> Trial | None:
+def trial(workspace: Workspace, names: Names) -> FittedModel | None:
     """Return the ranking's forecast of the last of these effects; None where it has not weighed it."""
     session = workspace.session
     if session is None or not names or session.known(names[:-1]) is None:

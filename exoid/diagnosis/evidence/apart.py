@@ -53,7 +53,7 @@ def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
         losses = evidence.held_out(without).loss(fits.step[:, :, None])[:, 0]
         worst = index_of_least(losses / np.maximum(samples[rest].sum() - samples[rest], 1))
         out.append(int(rest[worst]))
-        left = _shares(replace(base, residuals=evidence.residuals(fits.step[worst])))
+        left = _shares(replace(base, residuals=tuple(evidence.left(k, fits.step[worst]) for k in range(count))))
         others = np.nan_to_num(left[np.delete(rest, worst)]).max(axis=0)
         if all(_plain(left[k], others, rules).any() for k in out):
             plain = tuple(sorted(out))

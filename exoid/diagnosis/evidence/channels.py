@@ -218,9 +218,9 @@ def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:
     where it explains the others so; [] where they are alike, or most of them odd.
     """
     evidence, odd, every = base.evidence(seed=0, draws=0, rules=rules), [], base.prepared.all
-    for item, block, step in zip(every, evidence.blocks, evidence.alone.step, strict=True):
+    for k, (item, step) in enumerate(zip(every, evidence.alone.step, strict=True)):
         own = replace(base.prepared, train=(item,), verify=())
-        share = left_share(replace(base, residuals=(block.residual - block.columns @ step,), prepared=own))
+        share = left_share(replace(base, residuals=(evidence.left(k, step),), prepared=own))
         if np.nanmax(share, initial=0.0) > rules.unexplained_share:
             odd.append(item.name)
     return odd if 2 * len(odd) < len(every) else []

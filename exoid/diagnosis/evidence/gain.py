@@ -131,9 +131,15 @@ class Evidence:
         inverse = inverse_of(gram + np.diag(self.prior))
         return Fits(units * 1.0, inverse, (inverse @ slope[:, :, None])[:, :, 0])
 
-    def residuals(self, step: Float) -> tuple[Float, ...]:
-        """Return what the present model leaves (J, K) of each recording after a step (P,) of its own numbers."""
-        return tuple(block.residual - block.columns @ step for block in self.blocks)
+    def left(self, index: int, step: Float, columns: Columns | None = None, coefficients: Float | None = None) -> Float:
+        """Return what is left (J, K) of a recording after a step (P,) of the model's own numbers, and beside columns
+        (one node) with their coefficients (m,).
+        """
+        block = self.blocks[index]
+        out = block.residual - block.columns @ step
+        if columns is not None:
+            out[list(columns.joints)] -= columns.values[0] @ coefficients
+        return np.asarray(out)
 
     def _make_splits(self) -> tuple[Fits, HeldOut]:
         """Fits of all splits, and the units that each holds out; the last are the verification recordings."""

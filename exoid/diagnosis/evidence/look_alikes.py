@@ -162,12 +162,8 @@ def joint_losses(
     out, seconds = [], evidence.rules.block_seconds if seconds is None else seconds
     for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
         index, weight = evidence.unit(unit)
-        block = evidence.blocks[index]
-        residual = block.residual - block.columns @ step
-        for place, joint in enumerate(columns[index].joints):
-            residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
-        loss = weight * residual**2
+        loss = weight * evidence.left(index, step, columns[index], coefficients) ** 2
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)
-        blocks = np.searchsorted(block.starts(seconds), live, side="right")
+        blocks = np.searchsorted(evidence.blocks[index].starts(seconds), live, side="right")
         out.append(np.add.reduceat(loss[:, live], np.flatnonzero(np.diff(blocks, prepend=-1)), axis=1))
     return np.concatenate(out, axis=1)

@@ -123,15 +123,14 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     for _ in range(ROUNDS):
         own = [item.full(0, len(noise)) for item in _columns(carrier, candidate, np.array([hertz]))]
         # Those of all recordings beside each other, since all share the numbers of the model.
-        beside = [np.kron(one, x) for x, one in zip(own, np.eye(len(own)), strict=True)]
-        grams = evidence.plain([Columns(joints, x[None]) for x in beside])
+        beside = [Columns(joints, np.kron(one, x)[None]) for x, one in zip(own, np.eye(len(own)), strict=True)]
+        grams = evidence.plain(beside)
         parts, change = evidence.fitted(grams)
         carrier = replace(last, fit=replace(last.fit, linear=last.linear + change[: len(last.linear)]))
     left = [block.residual.copy() for block in evidence.blocks]
     for unit, moved, those in evidence.held_out_fits(grams):
         index, weight = evidence.unit(unit)
-        fitted = evidence.blocks[index].columns @ moved + beside[index] @ those
-        left[index] -= np.where(weight > 0.0, fitted, 0.0)
+        left[index] = np.where(weight > 0.0, evidence.left(index, moved, beside[index], those), left[index])
     judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
     before, after = last.evaluation_rms, pooled_rms(left[judged], every[judged])
     whole, rest = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))

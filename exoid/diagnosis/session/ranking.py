@@ -7,14 +7,14 @@ from few placebos, then from all of them. `trial` says what would be left beside
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import look_alikes
@@ -35,23 +35,6 @@ RIVALS = 8
 """Candidates that are asked whether they look alike."""
 
 
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """Error that would be left beside a candidate: residuals (J, K) N·m of every recording, RMS (J,) N·m.
-
-    Linear about the present numbers, which are refitted with it; shape values are the best that were tried.
-    """
-
-    residuals: tuple[Float, ...]
-    train_rms: Float
-    verify_rms: Float | None
-
-    @property
-    def evaluation_rms(self) -> Float:
-        """RMS residual (J,) of verification recordings, of fitted ones without any."""
-        return self.train_rms if self.verify_rms is None else self.verify_rms
-
-
 class Ranking:
     """The candidates of `library` against `fitted`; `work()` goes on step by step, everything else only looks.
 
@@ -68,7 +51,7 @@ class Ranking:
         self.finished = False
         self._scores: dict[str, Score] = {}
         self._columns: dict[str, tuple[Columns, ...]] = {}
-        self._trials: dict[str, Trial] = {}
+        self._trials: dict[str, FittedModel] = {}
         self._word: str | None = None
 
     @cached_property
@@ -110,12 +93,14 @@ class Ranking:
             self._scores[score.name] = score
         self.finished = True
 
-    def trial(self, name: str) -> Trial | None:
-        """Error that would be left beside a candidate; None where it is not weighed (yet)."""
+    def trial(self, name: str) -> FittedModel | None:
+        """The model with what would be left beside a candidate, linear about the present numbers, which are refitted
+        with it; shape values are the best that were tried. None where it is not weighed (yet).
+        """
         if name not in self._scores:
             return None
         if name not in self._trials:
-            self._trials[name] = self._try(self._scores[name])
+            self._trials[name] = replace(self.fitted, residuals=self._left(self._best(self._scores[name])))
         return self._trials[name]
 
     def alike(self, name: str) -> tuple[str, ...]:
@@ -182,23 +167,10 @@ class Ranking:
             high = [np.maximum(a, b) for a, b in zip(high or left, left, strict=True)]
         return tuple(low), tuple(high)
 
-    def _try(self, score: Score) -> Trial:
-        residuals = self._left(self._best(score))
-        prepared = self.fitted.prepared
-        count = len(prepared.train)
-        verify = pooled_rms(residuals[count:], prepared.verify) if prepared.verify else None
-        return Trial(residuals, pooled_rms(residuals[:count], prepared.train), verify)
-
     def _left(self, columns: Sequence[Columns]) -> tuple[Float, ...]:
         """Return the residuals beside a candidate's columns (one node), everything refitted on training recordings."""
-        coefficients, base = self.evidence.fitted(self.evidence.plain(columns))
-        out = []
-        for block, mine in zip(self.evidence.blocks, columns, strict=True):
-            left = block.residual - block.columns @ base
-            for place, joint in enumerate(mine.joints):
-                left[joint] = left[joint] - mine.values[0, place] @ coefficients
-            out.append(left)
-        return tuple(out)
+        coefficients, step = self.evidence.fitted(self.evidence.plain(columns))
+        return tuple(self.evidence.left(k, step, own, coefficients) for k, own in enumerate(columns))
 
 
 def _cost(candidate: Candidate) -> tuple[bool, bool, int]:
