@@ -291,7 +291,7 @@ def _answer(
     accepted = _agreed(accepted_of(extensions, rules), agreements, done.context.prepared)
     if prepared.angles_were_filtered:
         accepted = tuple(replace(effect, doubted=True) for effect in accepted)
-    soft = done.soft or soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
+    soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
         return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
     accepted = tuple(map(in_words, accepted))

@@ -14,7 +14,6 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import times_noise
-from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
 from exoid.diagnosis.evidence.stretches import searched_stretches
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.readings import readings_of
@@ -40,8 +39,7 @@ from exoid.symbolic.model import Model
 class Searched:
     """A search that has ended: all recordings prepared, what was searched of them (`context`), and what was found.
 
-    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed, `soft`
-    the drive that explains so much that none was made.
+    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed.
     """
 
     prepared: Prepared
@@ -49,7 +47,6 @@ class Searched:
     context: SearchContext
     found: Found
     answer: Conclusion | None = None
-    soft: SoftDrive | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,11 +145,6 @@ class Question:
         if found is not None:
             context = replace(context, grown=lambda state: found(steps_of(state.extensions)))
         start = Extension(base) if part is base.prepared else context.fit(self.model)
-        first = tuple(context.rank(start, 1)[1])  # wanted in any case
-        soft = plainly_soft(start.fitted, context.noise(start), rules)
-        if soft is not None:
-            nothing = Found(State((start,)), first)
-            return Searched(base.prepared, base, context, nothing, soft=soft)
         return Searched(base.prepared, base, context, run_search(context, start))
 
     def _answered(self, base: FittedModel, answer: Conclusion, tick: Progress) -> Searched:

@@ -11,7 +11,7 @@ import pytest
 from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence import soft_drive as soft_drives
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
-from exoid.diagnosis.evidence.soft_drive import plainly_soft, soft_drive, twist
+from exoid.diagnosis.evidence.soft_drive import soft_drive, twist
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import behind as behind_drive
 from exoid.measurement.recording import Recording
@@ -100,14 +100,6 @@ def test_a_few_seconds_show_no_soft_drive():
     assert soft_drive(fitted(MODEL, runs), fitted(MODEL, runs), NOISE) is None
 
 
-def test_nothing_is_searched_for_beside_a_drive_that_is_plainly_soft():
-    base = fitted(MODEL, [behind(0, 0.008, k) for k in range(3)])
-    found = plainly_soft(base, NOISE)
-    assert found is not None and found.joint == "hip"
-    assert plainly_soft(base, NOISE, replace(RULES, little=1e-4)) is None
-    assert plainly_soft(base, base.evaluation_rms) is None
-
-
 def extras(one: Motion, seed: int) -> dict[str, Float]:
     """Return torques (N, 2) that no elastic drive makes."""
     rng = np.random.default_rng(seed)
@@ -156,11 +148,3 @@ def test_nothing_is_accepted_in_place_of_a_soft_drive():
     assert found.verdict == "unexplained" and not found.accepted
     assert "motor_elasticity:hip" in found.sentence and "hip" in found.next_experiment
     assert all(one.reason for one in found.possible)
-
-
-def test_a_soft_drive_explains_most_at_its_own_joint_too(monkeypatch):
-    """A drift of the hip that differs between the recordings counts as noise: the knee alone makes no soft hip."""
-    found = SimpleNamespace(sure=True, joint="hip", after=np.array([2.05, 0.29]))
-    monkeypatch.setattr(soft_drives, "soft_drive", lambda *given: found)
-    base = SimpleNamespace(model=MODEL, evaluation_rms=np.array([2.18, 0.80]))
-    assert plainly_soft(base, np.array([2.05, 0.16])) is None

@@ -17,20 +17,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from exoid.diagnosis.evidence.enough_motion import little_motion
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
+from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
 from exoid.diagnosis.evidence.gram import weighted_fit
 from exoid.diagnosis.evidence.swinging import swinging
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.ties import least_of
 from exoid.measurement.signals.compiled import solved_banded
-from exoid.optimisation.fitting.identify import identify
 from exoid.symbolic.columns import slopes_of
 from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.evaluation import carrying
@@ -55,8 +52,8 @@ class SoftDrive:
     """A drive at `joint` whose `compliance` (in `unit`, its inverse in `stiffness`) lets its link swing at `hertz`.
 
     Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged, and `fitted`
-    (J,) on fitted motion; at joints that are `asked` (J,) that was more than noise, of which it leaves the `share`.
-    `sure` is the joint where the other joints' errors fall as well.
+    (J,) on fitted motion; of what was more than noise it leaves the `share`. `sure` is the joint where the other
+    joints' errors fall as well.
     """
 
     joint: str
@@ -66,7 +63,6 @@ class SoftDrive:
     hertz: float
     before: Float
     after: Float
-    asked: np.ndarray
     fitted: Float
     share: float = 1.0
     sure: bool = True
@@ -77,10 +73,6 @@ class SoftDrive:
         return f"{ENTRY}:{self.joint}"
 
 
-_BEST: WeakKeyDictionary[FittedModel, dict[int, SoftDrive | None]] = WeakKeyDictionary()
-"""The best drive at each joint of models still in use: asked before the search and, where it adds nothing, after it."""
-
-
 def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
     """Return the soft drive that explains far more than everything in `last`, None where there is none.
 
@@ -88,7 +80,8 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     which some compliance fits by chance.
     """
     asked = last.evaluation_rms > rules.artefact * noise
-    if not _may_be(base, last, asked, rules):
+    # Of what swings by itself a link on a spring takes up much.
+    if not asked.any() or little_motion(base.prepared, rules) or swinging(last) is not None:
         return None
     found = []
     added = {term.name for term in last.model.terms} - {term.name for term in base.model.terms}
@@ -101,7 +94,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             falls = (drive.after**2 <= rules.half * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
             others = np.arange(len(before)) != joint
             share = _share_left(drive.after[asked], before[asked], noise[asked])
-            drive = replace(drive, before=before, asked=asked, share=share, sure=bool(falls[others].all()))
+            drive = replace(drive, before=before, share=share, sure=bool(falls[others].all()))
             beside = fitted is base and drive.name in added and len(added) > 1
             # What explains unseen motion better than the motion it was fitted to does so by chance.
             left = max(share, _share_left(drive.fitted[asked], last.train_rms[asked], noise[asked]))
@@ -112,31 +105,6 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     return least_of(found, lambda one: one.share, 1.0) if found else None
 
 
-def _may_be(base: FittedModel, last: FittedModel, asked: np.ndarray, rules: Rules) -> bool:
-    """True if enough is left (`asked` (J,), where), and recorded, to ask for a soft drive; of what swings by itself, a
-    link on a spring takes up much.
-    """
-    return bool(not little_motion(base.prepared, rules) and asked.any() and swinging(last) is None)
-
-
-def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
-    """Return the soft drive that leaves next to nothing of what its entry leaves, None where there is none.
-
-    What it explains, no search would: nothing need be looked for. At its own joint it must explain most as well, also
-    where what differs between the recordings counts as noise there (a drift).
-    """
-    drive = soft_drive(base, base, noise, rules)
-    if drive is None or not drive.sure:
-        return None
-    own = base.model.joint_names.index(drive.joint)
-    if drive.after[own] ** 2 > rules.half * base.evaluation_rms[own] ** 2:
-        return None
-    model = base.model.with_effect(find_effect(ENTRY), drive.joint)
-    entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).evaluation_rms
-    left = _share_left(drive.after[drive.asked], entry[drive.asked], noise[drive.asked])
-    return drive if left <= rules.little else None
-
-
 def _share_left(after: Float, before: Float, noise: Float) -> float:
     """Return the share that is left of squared errors (J,) beyond their `noise`, each in units of that, together."""
     rest, whole = (float(np.sum(np.maximum((rms / noise) ** 2 - 1.0, 0.0))) for rms in (after, before))
@@ -144,18 +112,8 @@ def _share_left(after: Float, before: Float, noise: Float) -> float:
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
-    """The drive at `joint` that leaves least of the fitted torque, None where none helps; sought once at all joints."""
-    if fitted not in _BEST:
-        sought = [_sought(fitted, k) for k in range(len(fitted.model.joints))]
-        _BEST[fitted] = {k: None if item is None else _drive(fitted, k, item) for k, item in enumerate(sought)}
-    return _BEST[fitted][joint]
-
-
-def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:
-    """Return the compliance at `joint` that leaves least of the fitted torque, its resonance, and what it leaves, as
-    fields of a SoftDrive; None where none helps.
-
-    None as well where the model has terms that change its mechanism or its whole torque.
+    """The drive at `joint` that leaves least of the fitted torque; None where none helps, and where the model has terms
+    that change its mechanism or its whole torque.
     """
     train = fitted.prepared.train
     if fitted.model.derived or any(is_transform(term) for term in fitted.model.terms):
@@ -181,25 +139,16 @@ def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:
     compliance = float(np.exp(minimum(lambda x: cost(float(np.exp(x))), low, high, CLOSE)[0]))
     left, every = _left(links, count, compliance, scale, fitted.linear), fitted.prepared.all
     judged = slice(count, None) if fitted.verified else slice(0, count)
-    return {
-        "compliance": compliance,
-        "hertz": float((compliance * inertia) ** -0.5 / (2.0 * np.pi)),
-        "after": pooled_rms(left[judged], every[judged]).tolist(),
-        "fitted": pooled_rms(left[:count], train).tolist(),
-    }
-
-
-def _drive(fitted: FittedModel, joint: int, found: dict[str, Any]) -> SoftDrive:
-    """Return the drive at `joint` with what was `found` of it."""
-    before, driven = fitted.evaluation_rms, fitted.model.joints[joint]
-    arrays = {key: np.array(found[key]) for key in ("after", "fitted")}
+    driven = fitted.model.joints[joint]
     return SoftDrive(
         joint=driven.name,
+        compliance=compliance,
         unit=f"{driven.unit('q')}/({driven.unit('tau')})",
         stiffness=f"{driven.unit('tau')}/{driven.unit('q')}",
-        before=before,
-        asked=before > 0.0,
-        **{**found, **arrays},
+        hertz=float((compliance * inertia) ** -0.5 / (2.0 * np.pi)),
+        before=fitted.evaluation_rms,
+        after=pooled_rms(left[judged], every[judged]),
+        fitted=pooled_rms(left[:count], train),
     )
 
 
