@@ -11,7 +11,7 @@ from typing import Unpack
 import numpy as np
 
 from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.apart import OTHERS, apart, explained_alone, still_apart, why_apart
+from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.channels import doubts_after
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.own_sway import own_sway
@@ -217,33 +217,24 @@ def _of_machine(
     are left out, and the others are answered.
     """
     question = asking.question
-    odd = apart(base, question.rules) if len(base.prepared.all) > OTHERS else ()
+    odd = odd_ones(base, question.rules) if len(base.prepared.all) > OTHERS else ()
     fitted = [recording for k, recording in enumerate(recordings) if k not in odd]
     held = [item for k, item in enumerate(verify, len(recordings)) if k not in odd]
     if not odd or not fitted or (verify and not held):
         return _answer(asking, base, recordings, verify)
     half = asking.part(0.0, 0.5)
     of_others = _answer(half, question.fitted(fitted, held, half.tick), fitted, held)
-    odd = still_apart(base, of_others.fit, odd, question.rules)
-    if odd and of_others.accepted:
-        return _without(of_others, base, odd, question.rules)
+    apart, explained = left_out(base, of_others.fit, odd, question.rules)
+    sentence = " ".join([of_others.sentence, *(f"{item.sentence}." for item in apart.values())])
+    without = replace(of_others, sentence=sentence, left_out=tuple(apart.values()))
+    if apart and of_others.accepted:
+        return without
     whole = _answer(asking.part(0.5, 1.0), base, recordings, verify)
-    if not odd or whole.accepted or of_others.verdict != "adequate":
+    if not apart or whole.accepted or of_others.verdict != "adequate":
         return whole
     # An effect that these alone show is one of the machine, unless numbers of their own explain far more.
     nearest = max((entry.explained_share for entry in whole.possible), default=0.0)
-    if nearest > question.rules.worth_telling and nearest >= question.rules.half * explained_alone(
-        base, of_others.fit, odd
-    ):
-        return whole
-    return _without(of_others, base, odd, question.rules)
-
-
-def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int], rules: Rules) -> Diagnosis:
-    """Return the answer of the other recordings, and what is to be said of those that are `odd`."""
-    left_out = why_apart(base, answer.fit, odd, rules)
-    sentence = " ".join([answer.sentence, *(f"{item.sentence}." for item in left_out)])
-    return replace(answer, sentence=sentence, left_out=left_out)
+    return whole if nearest > max(question.rules.worth_telling, question.rules.half * explained) else without
 
 
 def _answer(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis import discover
-from exoid.diagnosis.evidence.apart import apart, explained_alone
+from exoid.diagnosis.evidence.apart import left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.recording import Recording
@@ -46,7 +46,7 @@ def turned(one):
 def names(runs, held=0, **changes):
     prepared = prepare(AXIS, runs[: len(runs) - held], runs[len(runs) - held :])
     base = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
-    return [prepared.all[k].name for k in apart(base, replace(RULES, **changes))]
+    return [prepared.all[k].name for k in odd_ones(base, replace(RULES, **changes))]
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,8 @@ def test_numbers_of_its_own_explain_another_machine_and_no_stuck_torque():
         prepared = prepare(AXIS, [*alike, odd])
         base = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
         found = identify(AXIS, prepared.train[:4], optimisers=())
-        assert (explained_alone(base, found, [4]) > 0.9) is known
+        out, explained = left_out(base, found, [4])
+        assert list(out) == [4] and (explained > 0.9) is known
 
 
 def test_the_others_are_answered_and_it_is_named(runs):

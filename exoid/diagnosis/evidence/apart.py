@@ -39,7 +39,7 @@ class Apart(AsJson):
     sentence: str
 
 
-def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
+def odd_ones(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
     """Indices of the recordings, fitted ones first, that are apart from the others; () where none or too many are."""
     evidence, count = base.evidence(seed=0, draws=0, rules=rules), len(base.prepared.all)
     units = evidence.of == np.arange(count)[:, None]
@@ -60,68 +60,59 @@ def apart(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
     return plain
 
 
-def still_apart(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[int, ...]:
-    """Those of the recordings `odd` (indices) that the model found for the others does not explain either."""
-    left = _left_by(base, found, odd)
-    others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
-    return tuple(k for k, own in zip(odd, left[-len(odd) :], strict=True) if _plain(own, others, rules).any())
-
-
-def why_apart(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[Apart, ...]:
-    """Reasons to leave out the recordings `odd`, which the model found for the others does not explain, one each."""
+def left_out(
+    base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES
+) -> tuple[dict[int, Apart], float]:
+    """Those of the recordings `odd` (indices) that the model found for the others does not explain either, with the
+    reason to leave them out; and the share that numbers of their own explain, of the one of which that is least.
+    """
     left, power = _left_by(base, found, odd), _power(base)
+    out: dict[int, Apart] = {}
+    least = 1.0
     others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
-    out = []
     for k, own in zip(odd, left[-len(odd) :], strict=True):
         plain = _plain(own, others, rules)
+        if not plain.any():
+            continue
         errors = ", ".join(
             f"{np.sqrt(own[j] * power[j]):.3g} {joint.unit('tau')} at the {joint.name} "
             f"({np.sqrt(own[j] / max(others[j], 1e-12)):.2g} times as much as of any other)"
             for j, joint in enumerate(base.model.joints)
             if plain[j]
         )
-        out.append(_why(base, found, base.prepared.all[k], own, errors, rules))
-    return tuple(out)
+        one = base.prepared.all[k]
+        alone, share = _alone(base, found, one, float(np.nansum(own)))
+        text = f"{one.name} is left out: what explains the others leaves {errors}"
+        out[k], least = Apart(one.name, text + _why(base, found, one, alone, share, rules)), min(least, share)
+    return out, least
 
 
 def _why(
-    base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, errors: str, rules: Rules
-) -> Apart:
-    text = f"{one.name} is left out: what explains the others leaves {errors}"
+    base: FittedModel, found: Fit, one: PreparedRecording, alone: Fit | None, share: float, rules: Rules
+) -> str:
     read = next((f for f in base.prepared.misread if _is_of(f, one.name)), None)
     if read is not None:
-        return Apart(one.name, f"{text}; {read.what} ({read.remedy})")
-    own = _alone(base, found, one)
-    if own is None:
-        return Apart(one.name, text)
-    alone, left = own
-    if left > rules.little * np.nansum(shares):
-        return Apart(one.name, f"{text}, and fitted alone it is not explained either: look at its columns and sensors")
+        return f"; {read.what} ({read.remedy})"
+    if alone is None:
+        return ""
+    if share < 1.0 - rules.little:
+        return ", and fitted alone it is not explained either: look at its columns and sensors"
     moved = ", ".join(moved_numbers(found, alone)[:4])
     numbers = f" ({moved})" if moved else ""
-    text += f", and fitted alone it is explained, with numbers of its own{numbers}"
-    return Apart(one.name, f"{text}: another machine, a load (--payload) or gain of a sensor")
+    text = f", and fitted alone it is explained, with numbers of its own{numbers}"
+    return f"{text}: another machine, a load (--payload) or gain of a sensor"
 
 
-def explained_alone(base: FittedModel, found: Fit, odd: Sequence[int]) -> float:
-    """Share that numbers of their own explain of what a model found for the others leaves of the recordings `odd`, of
-    the one of which that is least.
-    """
-    left = [float(np.nansum(item)) for item in _left_by(base, found, odd)[-len(odd) :]]
-    own = [_alone(base, found, base.prepared.all[k]) for k in odd]
-    return min(0.0 if entry is None else 1.0 - entry[1] / whole for entry, whole in zip(own, left, strict=True))
-
-
-def _alone(base: FittedModel, found: Fit, one: PreparedRecording) -> tuple[Fit, float] | None:
-    """Return a fit of the model found to one recording alone, and what it leaves of its torques, in parts of their
-    usual variance, all joints together; None where one is not enough.
+def _alone(base: FittedModel, found: Fit, one: PreparedRecording, whole: float) -> tuple[Fit | None, float]:
+    """Return a fit of the model found to one recording alone, and the share that it explains of what is left (`whole`)
+    of its torques; None and nothing where one is not enough.
     """
     try:
         alone = identify(found.model, (one,), optimisers=())
     except NotEnoughDataError:
-        return None
+        return None, 0.0
     fitted = fitted_model(alone, replace(base.prepared, train=(one,), verify=()))
-    return alone, float(np.nansum(_shares(fitted)[0]))
+    return alone, 1.0 - float(np.nansum(_shares(fitted)[0])) / whole
 
 
 def moved_numbers(first: Fit, second: Fit) -> list[str]:

@@ -370,11 +370,7 @@ class Evidence:
         """Return by how much the loss on the held-out training units (D,), and on the verification recordings (D,),
         would fall with a candidate of these `coefficients` (m,) if it were there, and noise were not.
         """
-        fitted, held = grams.of(self._fits.units), grams.of(self._held_out.units)
-        step = np.einsum("spq,sqmd,m->spd", self._fits.inverse, fitted.g, coefficients)
-        lean = np.einsum("spmd,m->spd", held.g, coefficients)
-        own = np.einsum("smnd,m,n->sd", held.h, coefficients, coefficients)
-        falls = own - 2.0 * np.sum(step * lean, axis=1) + np.sum(step * (self._held_out.gram @ step), axis=1)
+        falls = self._held_out.would_fall(self._fits, grams, coefficients)
         return falls[: self.folds].sum(axis=0), falls[self.folds :].sum(axis=0)
 
     @property

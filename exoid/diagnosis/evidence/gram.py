@@ -149,6 +149,16 @@ class HeldOut:
         own = np.einsum("smnd,snd->smd", held.h, coefficients)
         return self.loss(step) + np.einsum("smd,smd->sd", coefficients, 2.0 * lean + own)
 
+    def would_fall(self, fits: Fits, grams: Gram, coefficients: Float) -> Float:
+        """Return by how much the loss (S, D) beside `fits` would fall with a candidate of these coefficients (m,) if it
+        were there, and noise were not.
+        """
+        fitted, held = grams.of(fits.units), grams.of(self.units)
+        step = np.einsum("spq,sqmd,m->spd", fits.inverse, fitted.g, coefficients)
+        lean = np.einsum("spmd,m->spd", held.g, coefficients)
+        own = np.einsum("smnd,m,n->sd", held.h, coefficients, coefficients)
+        return np.asarray(own - 2.0 * np.sum(step * lean, axis=1) + np.sum(step * (self.gram @ step), axis=1))
+
 
 @dataclass(frozen=True, eq=False)
 class Gain:

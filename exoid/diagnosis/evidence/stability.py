@@ -76,15 +76,9 @@ class Splits:
         own, step, _ = self.fits.candidate(grams, ridge)
         gain = self.losses - self.unseen.loss_beside(grams, own, step)[:, 0]
         right = admissible(score.candidate, own[:, :, 0], self.rules)
-        fitted, held = grams.of(self.fits.units), grams.of(self.unseen.units)
-        torque = fitted.g[..., 0] @ pooled
-        taken = np.einsum("spq,sq->sp", self.fits.inverse, torque)  # by the model's own numbers
-        seen = np.einsum("m,smn,n->s", pooled, fitted.h[..., 0], pooled) - np.einsum("sp,sp->s", taken, torque)
-        expected = (
-            np.einsum("m,smn,n->s", pooled, held.h[..., 0], pooled)
-            - 2.0 * np.einsum("sp,sp->s", taken, held.g[..., 0] @ pooled)
-            + np.einsum("sp,spq,sq->s", taken, self.unseen.gram, taken)
-        )
+        # What the fitted ones show of it: its fall there, the model's own numbers fitted to the same.
+        same = self.evidence.held_out(self.fits.units)
+        seen, expected = (part.would_fall(self.fits, grams, pooled)[:, 0] for part in (same, self.unseen))
         rows = np.column_stack([np.where(right, gain, -np.inf), expected, seen])
         return self._agreement(rows, _ranges(tuple(score.candidate.term.effect.coefficients), own[:, :, 0]))
 
