@@ -269,11 +269,8 @@ def _without_mass(last: FittedModel, rules: Rules) -> Doubt | None:
     """
     if np.any(times_noise(last) > rules.near_noise):
         return None
-    model, reference = last.model, last.linear if last.model.needs_reference else None
-    columns = [
-        item.smooth_columns(model.columns(item.motion, at, reference))[:, :, len(model.inertial) :]
-        for item, at in zip(last.prepared.train, last.shapes, strict=False)
-    ]
+    model, train = last.model, last.prepared.train
+    columns = [item.smooth_columns(last.unfiltered(k)[0])[:, :, len(model.inertial) :] for k, item in enumerate(train)]
     told = []
     for j, joint in enumerate(model.joints):
         tau, residual, without = _left_beside(last, columns, j)

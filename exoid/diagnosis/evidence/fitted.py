@@ -19,6 +19,7 @@ from exoid.optimisation.fitting.shapes import slope_by_shape
 from exoid.optimisation.linear.loss import huber, huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared, judged_anew
+from exoid.symbolic.evaluation import carrying
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -152,6 +153,14 @@ class FittedModel:
             friction=numbers,
             rules=rules,
         )
+
+    def unfiltered(self, index: int) -> tuple[Float, Float]:
+        """Return the columns (J, N, P) on recording `index` before the common filter, and the torque (J, N) there that
+        is known: of loads, and of measured forces.
+        """
+        model, motion, count = self.model, self.prepared.all[index].motion, len(self.linear)
+        whole = model.whole_columns(motion, self.shapes[index], self.linear if model.needs_reference else None)
+        return whole[:, :, :count], whole @ carrying(model, motion, np.zeros(count))
 
     def block_of(self, one: PreparedRecording) -> RecordingEvidence:
         """Return any prepared recording as the evidence sees it, at the numbers of this model."""

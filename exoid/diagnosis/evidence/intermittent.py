@@ -27,7 +27,6 @@ from exoid.ground.ties import index_of_greatest, index_of_least
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
 from exoid.optimisation.preparation.filtering import EDGE, PreparedRecording
 from exoid.optimisation.preparation.noise import torque_noise
-from exoid.symbolic.evaluation import carrying
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, is_spatial
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
@@ -168,17 +167,13 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
 
 
 def _view(base: FittedModel, index: int, sample: Float) -> _View:
-    recording, model = base.prepared.all[index], base.model
-    none = np.zeros(len(base.linear))
-    whole = model.whole_columns(recording.motion, base.shapes[index], base.linear if model.needs_reference else None)
-    weight = 1.0 / (sample * np.sqrt(0.5 * recording.rate))
-    known = whole @ carrying(model, recording.motion, none)
+    recording, (columns, known) = base.prepared.all[index], base.unfiltered(index)
+    weight = 1.0 / (sample * np.sqrt(0.5 * recording.rate))[:, None]
     seen = ~recording.hidden.T
     edge = int(EDGE * recording.rate)
     seen[:, :edge] = seen[:, len(recording.motion) - edge :] = False
-    columns = whole[:, :, : len(none)] * weight[:, None, None]
-    tau = (recording.wide_tau.T - known) * weight[:, None]
-    return _View(recording, columns, tau, seen, max(1, round(WINDOW * recording.rate)))
+    tau = (recording.wide_tau.T - known) * weight
+    return _View(recording, columns * weight[:, :, None], tau, seen, max(1, round(WINDOW * recording.rate)))
 
 
 def _solved(gram: Float, slope: Float) -> Float:

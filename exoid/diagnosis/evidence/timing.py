@@ -16,7 +16,6 @@ from exoid.ground.ties import index_of_least, least_of
 from exoid.measurement.signals.masks import Mask, straight_columns
 from exoid.measurement.signals.spikes import spikes
 from exoid.optimisation.linear.factor import factorise
-from exoid.symbolic.evaluation import carrying
 from exoid.symbolic.language.torque import is_transform
 from exoid.symbolic.motion import Float
 
@@ -156,13 +155,10 @@ class _Readings:
     """
 
     def __init__(self, base: FittedModel) -> None:
-        model, self.train = base.model, base.prepared.train
+        self.train = base.prepared.train
         self.known_spikes: dict[tuple[int, float], Mask] = {}
-        reference = base.linear if model.needs_reference else None
-        whole = [model.whole_columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
-        none = np.zeros(len(base.linear))
-        raw = [x[:, :, : len(base.linear)] for x in whole]
-        self.known = [(x @ carrying(model, p.motion, none)).T for p, x in zip(self.train, whole, strict=True)]
+        raw, known = zip(*map(base.unfiltered, range(len(self.train))), strict=True)
+        self.known = [each.T for each in known]
         parts = [p.smooth_columns(x) for p, x in zip(self.train, raw, strict=True)]
         self.use = np.concatenate([p.used for p in self.train], axis=1)
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
