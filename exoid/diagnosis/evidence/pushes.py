@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.measurement.recording import force_unit
 from exoid.optimisation.linear.factor import factorise
@@ -21,8 +23,8 @@ from exoid.symbolic.motion import Float
 
 @dataclass(frozen=True)
 class WantedGain:
-    """The gain that the torques want a measured force to have, with its standard deviation, and what it takes off of
-    the squared error.
+    """The gain that the torques want a measured force to have, with its standard deviation, and which share of the loss
+    of unseen motion it takes off.
     """
 
     force: Force
@@ -33,7 +35,10 @@ class WantedGain:
 
 def wanted_gains(base: FittedModel) -> tuple[WantedGain, ...]:
     """Return the gain that the fitted recordings want each measured force to have, all other numbers free beside it."""
-    return tuple(found for force in base.model.forces if (found := _wanted(force, base)) is not None)
+    if not base.model.forces:
+        return ()
+    evidence = base.evidence(seed=0, draws=0)
+    return tuple(found for force in base.model.forces if (found := _wanted(force, base, evidence)) is not None)
 
 
 def turned_force(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
@@ -63,7 +68,7 @@ def turned_force(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     )
 
 
-def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
+def _wanted(force: Force, base: FittedModel, evidence: Evidence) -> WantedGain | None:
     """Return the gain a force is wanted to have: with a place that is free, of what it does at its link's joint, and
     where it does nothing there, which way along the link its place is.
     """
@@ -77,19 +82,15 @@ def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
         without = _share_of_column(base, list(data.names).index(place.name))
         return WantedGain(force, float(np.sign(place.value)), deviation, without)
     # Where its place is free, it is taken at its link's upper joint.
-    parts = [force_alone(model, recording, force, force.along) for recording in base.prepared.train]
-    column = (np.concatenate(parts, axis=1) * data.use).ravel()
-    residual = (data.residual(base.linear) * data.use).ravel()
-    basis = data.factor.basis
-    rest = column - basis @ (basis.T @ column)
-    power = float(rest @ rest)
-    if power <= 1e-12 * float(column @ column):
+    joints = tuple(range(len(model.joints)))
+    made = [force_alone(model, recording, force, force.along) for recording in base.prepared.all]
+    grams = evidence.plain([Columns(joints, torque[None, :, :, None]) for torque in made])
+    if evidence.novelty(grams)[0] <= 1e-12:
         return None
-    slope = float(rest @ residual) / power
-    square = float(residual @ residual)
-    share = slope**2 * power / max(square, 1e-300)
-    deviation = np.sqrt(max(square * (1.0 - share), 0.0) / max(1, residual.size - basis.shape[1]) / power)
-    return WantedGain(force, 1.0 + slope, float(deviation), share)
+    slope, each = evidence.fitted(grams)[0][0], evidence.leave_one_out(grams)[:, 0]
+    deviation = np.sqrt((len(each) - 1) / len(each) * np.sum((each - each.mean()) ** 2))  # jackknife
+    share = float(evidence.gain(grams).total[0] / evidence.fold_losses.sum())
+    return WantedGain(force, float(1.0 + slope), float(deviation), share)
 
 
 def force_alone(model: Model, one: PreparedRecording, force: Force, at: float, gain: float = 1.0) -> Float:

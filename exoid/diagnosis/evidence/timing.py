@@ -11,11 +11,11 @@ import numpy as np
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.ties import index_of_least, least_of
 from exoid.measurement.signals.masks import Mask, straight_columns
 from exoid.measurement.signals.spikes import spikes
-from exoid.optimisation.linear.factor import factorise
 from exoid.symbolic.language.torque import is_transform
 from exoid.symbolic.motion import Float
 
@@ -162,8 +162,8 @@ class _Readings:
         parts = [p.smooth_columns(x) for p, x in zip(self.train, raw, strict=True)]
         self.use = np.concatenate([p.used for p in self.train], axis=1)
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
-        factor = factorise(self.columns.reshape(-1, self.columns.shape[2]))
-        self.solve = factor.backward @ factor.basis.T
+        flat = self.columns.reshape(-1, self.columns.shape[2])
+        self.solve = inverse_of(flat.T @ flat) @ flat.T
 
     @cached_property
     def now(self) -> Float:
