@@ -12,12 +12,14 @@ does: steps resemble each other, and soft ground is a spring at a height.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.splines import spline_columns
@@ -51,10 +53,6 @@ PHASE = 0.7
 """Length of the mean direction of the phases in which it begins and ends, from which they are told."""
 PLACES = tuple(np.linspace(0.05, 1.5, 30))
 """Where on the last link a force is tried, in lengths of the link above."""
-KNOTS = 10
-"""Of the curves in each angle and each velocity."""
-RIDGE = 1e-3
-"""Part of its size by which a column must help: curves where nothing was recorded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +108,12 @@ class _View:
     def windows(self) -> Windows:
         motion = self.recording.motion
         return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
+
+    def block(self, joint: int, left: Float, parts: int) -> RecordingEvidence:
+        """Return one joint as the evidence sees it, of `parts`, where so much is `left` (J, N)."""
+        one, fold = self.recording, np.arange(left.shape[1]) * parts // left.shape[1]
+        columns, use = self.columns[[joint]], self.seen[[joint]]
+        return RecordingEvidence(columns, left[[joint]], use, one.motion.q, one.rate, fold, one.starts)
 
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
@@ -267,34 +271,31 @@ def _beyond_curves(
     """
     q, dq = (np.concatenate([getattr(view.recording.motion, name) for view in views]) for name in ("q", "dq"))
     ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
-    for joint in range(rest[0].shape[0]):
-        rows = [np.concatenate([view.columns[joint], _curves(view, ends)], axis=1)[view.seen[joint]] for view in views]
-        size = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0)) + 1e-300
-        rows = [part / size for part in rows]
-        own = [part[joint][view.seen[joint]] for part, view in zip(rest, views, strict=True)]
-        grams = [part.T @ part for part in rows]
-        slopes = [part.T @ y for part, y in zip(rows, own, strict=True)]
+    curves = [Columns((0,), _curves(view, ends, rules.knots)[None, None]) for view in views]
+    parts = 1 if len(views) > 1 else rules.blocks
+    squares = replace(rules, robust=np.inf, most_folds=parts * len(views))
+    for joint in range(len(rest[0])):
+        blocks = [view.block(joint, left, parts) for view, left in zip(views, rest, strict=True)]
+        evidence = Evidence(blocks, (), seed=0, draws=0, sigma=np.ones(1), rules=squares)
         square, whole, count = 0.0, 0.0, 0
-        for k, view in enumerate(views):
-            others = [i for i in range(len(views)) if i != k or len(views) == 1]
-            gram = np.sum([grams[i] for i in others], axis=0)
-            held = RIDGE * sum(len(own[i]) for i in others) * np.eye(len(gram))
-            left = own[k] - rows[k] @ np.linalg.solve(gram + held, np.sum([slopes[i] for i in others], axis=0))
-            there = acts[k][view.seen[joint]]
-            square, whole = square + float(np.sum(left[there] ** 2)), whole + float(np.sum(own[k][there] ** 2))
+        for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
+            k, weight = evidence.unit(unit)
+            there = acts[k] & (weight[0] > 0.0)
+            left = evidence.left(k, step, curves[k], coefficients)[0, there]
+            square, whole = square + float(left @ left), whole + float(np.sum(rest[k][joint, there] ** 2))
             count += int(there.sum())
         if whole > count * far**2 and square > rules.unexplained_share**2 * whole:
             return True
     return False
 
 
-def _curves(view: _View, ends: list[tuple[Float, Float]]) -> Float:
-    """Return cubic splines (N, C) in every angle and every velocity."""
+def _curves(view: _View, ends: list[tuple[Float, Float]], count: int) -> Float:
+    """Return cubic splines (N, C), so many in every angle and every velocity."""
     out = []
     for x, (low, high) in zip((view.recording.motion.q, view.recording.motion.dq), ends, strict=True):
         for column, first, last in zip(x.T, low, high, strict=True):
             if last > first:
-                knots = np.concatenate([[first] * 3, np.linspace(first, last, KNOTS), [last] * 3])
+                knots = np.concatenate([[first] * 3, np.linspace(first, last, count - 2), [last] * 3])
                 out.append(spline_columns(column, knots))
     return np.concatenate(out, axis=1)
 
