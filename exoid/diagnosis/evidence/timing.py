@@ -108,19 +108,17 @@ def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) ->
     if any(is_transform(term) for term in without.model.terms):
         return None
     readings = _Readings(without)
-    now = readings.now
-    seen = now > 0.0
-    own = np.isin(np.arange(len(now)), late)
+    seen = readings.now > 0.0
+    own = np.isin(np.arange(len(seen)), late)
+
+    def at(kind: str, value: float, which: np.ndarray) -> _Reading:
+        share = readings.left(kind, value, which)[seen] / readings.now[seen]
+        return _Reading(kind, value, float(np.mean(share)), which)
 
     def least(kind: str) -> _Reading:
-        change = CHANGES[kind][0]
-
-        def at(value: float, which: np.ndarray) -> _Reading:
-            return _Reading(kind, value, float(np.mean(readings.left(change, value, which)[seen] / now[seen])), which)
-
         whose = (seen, own) if (seen & ~own).any() else (own,)
-        best = least_of((at(value, which) for value in FAST for which in whose), lambda one: one.share, 1.0)
-        finer = [best, *(at(factor * best.value, best.which) for factor in (0.85, 1.18))]
+        best = least_of((at(kind, value, which) for value in FAST for which in whose), lambda one: one.share, 1.0)
+        finer = [best, *(at(kind, factor * best.value, best.which) for factor in (0.85, 1.18))]
         return least_of(finer, lambda one: one.share, 1.0)
 
     delay, lag = least("delay"), least("lag")
@@ -168,18 +166,12 @@ class _Readings:
     @cached_property
     def now(self) -> Float:
         """Share left (J,) of the torques as they are, at most all: numbers of another joint can be worse than none."""
-        return np.minimum(self.left(None), 1.0)
+        return np.minimum(self.left(), 1.0)
 
     @cached_property
     def coarse(self) -> dict[str, dict[float, Float]]:
         """Share left (J,) with all torques changed, by kind and by the seconds that are tried."""
-        tried = [(kind, value) for kind, (_, values) in CHANGES.items() for value in values]
-        found = dict(zip(tried, self._each(tried, None), strict=True))
-        return {kind: {value: found[kind, value] for value in sorted(values)} for kind, (_, values) in CHANGES.items()}
-
-    def _each(self, tried: Sequence[tuple[str, float]], which: np.ndarray | None) -> list[Float]:
-        """Shares left (J,) with the torques of `which` changed, for each of the ways `tried` (kind, seconds)."""
-        return [self.left(CHANGES[kind][0], value, which) for kind, value in tried]
+        return {kind: {value: self.left(kind, value) for value in tried} for kind, (_, tried) in CHANGES.items()}
 
     def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
         """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them, or
@@ -197,28 +189,25 @@ class _Readings:
             return None
         least, kind, value, alike = min(
             (float(left[which].sum()), *item, bool(np.all(left[which] <= 2.0 * rules.little * self.now[which])))
-            for item, left in zip(fine, self._each(fine, which), strict=True)
+            for item in fine
+            for left in [self.left(*item, which)]
         )
         return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
 
-    def left(
-        self, change: Callable[[Float, float], Float] | None, seconds: float = 0.0, which: np.ndarray | None = None
-    ) -> Float:
+    def left(self, kind: str = "", seconds: float = 0.0, which: np.ndarray | None = None) -> Float:
         """Return the share (J,) of its variance that a fit leaves of each torque if those of `which` are changed."""
-        tau = np.concatenate([self._read(k, change, seconds, which) for k in range(len(self.train))], axis=1)
+        tau = np.concatenate([self._read(k, kind, seconds, which) for k in range(len(self.train))], axis=1)
         linear = self.solve @ (tau * self.use).ravel()
         square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
         size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])
         return np.where(size > 0.0, square / np.where(size > 0.0, size, 1.0), 0.0)
 
-    def _read(
-        self, index: int, change: Callable[[Float, float], Float] | None, seconds: float, which: np.ndarray | None
-    ) -> Float:
+    def _read(self, index: int, kind: str, seconds: float, which: np.ndarray | None) -> Float:
         recording = self.train[index]
-        if change is None:
+        if not kind:
             return recording.torque - recording.smooth(self.known[index])
-        changed = change(recording.wide_tau, seconds * recording.rate)
-        if change is _without_lag:
+        changed = CHANGES[kind][0](recording.wide_tau, seconds * recording.rate)
+        if kind == "lag":
             nearest = ALIKE[int(np.argmin(np.abs(np.log(seconds / np.array(ALIKE)))))]
             changed = straight_columns(changed, self._spoilt(index, nearest))
         changed = changed if which is None else np.where(which, changed, recording.wide_tau)
