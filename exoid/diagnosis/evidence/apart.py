@@ -80,10 +80,11 @@ def left_out(
             for j, joint in enumerate(base.model.joints)
             if plain[j]
         )
-        one = base.prepared.all[k]
-        alone, share = _alone(base, found, one, float(np.nansum(own)))
-        text = f"{one.name} is left out: what explains the others leaves {errors}"
-        out[k], least = Apart(one.name, text + _why(base, found, one, alone, share, rules)), min(least, share)
+        recording = base.prepared.all[k]
+        alone, share = _alone(base, found, recording, float(np.nansum(own)))
+        text = f"{recording.name} is left out: what explains the others leaves {errors}"
+        text += _why(base, found, recording, alone, share, rules)
+        out[k], least = Apart(recording.name, text), min(least, share)
     return out, least
 
 

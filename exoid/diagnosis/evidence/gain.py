@@ -132,7 +132,7 @@ class Evidence:
         return Fits(units * 1.0, inverse, (inverse @ slope[:, :, None])[:, :, 0])
 
     def left(self, index: int, step: Float, columns: Columns | None = None, coefficients: Float | None = None) -> Float:
-        """Return what is left (J, K) of a recording after a step (P,) of the model's own numbers, and beside columns
+        """Residual (J, K) of a recording after a step (P,) of the model's own numbers, and beside columns
         (one node) with their coefficients (m,).
         """
         block = self.blocks[index]

@@ -229,5 +229,5 @@ def weighted_fit(
 
 
 def left_of(columns: Float, wanted: Float) -> Float:
-    """Return what columns (K, P) leave of `wanted` (K,) or (K, W) at the numbers that fit it best."""
+    """Rest of `wanted` (K,) or (K, W) beside columns (K, P), at the numbers that fit it best."""
     return np.asarray(wanted - columns @ (inverse_of(columns.T @ columns) @ (columns.T @ wanted)))

@@ -111,9 +111,9 @@ class _View:
 
     def block(self, joint: int, left: Float, parts: int) -> RecordingEvidence:
         """Return one joint as the evidence sees it, of `parts`, where so much is `left` (J, N)."""
-        one, fold = self.recording, np.arange(left.shape[1]) * parts // left.shape[1]
-        columns, use = self.columns[[joint]], self.seen[[joint]]
-        return RecordingEvidence(columns, left[[joint]], use, one.motion.q, one.rate, fold, one.starts)
+        recording, fold = self.recording, np.arange(left.shape[1]) * parts // left.shape[1]
+        columns, use, path = self.columns[[joint]], self.seen[[joint]], recording.motion.q
+        return RecordingEvidence(columns, left[[joint]], use, path, recording.rate, fold, recording.starts)
 
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
