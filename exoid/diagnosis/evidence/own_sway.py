@@ -123,8 +123,8 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     for _ in range(ROUNDS):
         own = [item.full(0, len(noise)) for item in _columns(carrier, candidate, np.array([hertz]))]
         # Those of all recordings beside each other, since all share the numbers of the model.
-        each = [np.asarray(np.kron(place, x)[None], dtype=float) for place, x in zip(np.eye(len(own)), own, strict=True)]
-        beside = [Columns(joints, x) for x in each]
+        each = [np.kron(place, x)[None] for place, x in zip(np.eye(len(own)), own, strict=True)]
+        beside = [Columns(joints, np.asarray(x, dtype=float)) for x in each]
         grams = evidence.plain(beside)
         parts, change = evidence.fitted(grams)
         carrier = replace(last, fit=replace(last.fit, linear=last.linear + change[: len(last.linear)]))
