@@ -28,5 +28,4 @@ def differences_of(
     asked: FittedModel, seed: int, extra: Sequence[Effect], rules: Rules, most: int, known: Mapping[str, Float]
 ) -> Differences:
     """Return the differences, `most` at most; `known` {name: numbers} are those known already."""
-    rules = replace(rules, least_share=rules.artefact * rules.least_share)  # a burst resembles something for a while
     return BeforeAfter(asked, seed, tuple(extra), rules, most, known).run(0.0)

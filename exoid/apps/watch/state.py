@@ -168,7 +168,7 @@ def _damaged(where: str) -> StateError:
 
 
 def _plain(one: Acting) -> dict[str, Any]:
-    return {"name": one.asked.name, "nodes": one.nodes.tolist(), "place": one.place, "size": one.size.tolist()}
+    return {"name": one.asked.name, "nodes": one.nodes.tolist(), "size": one.size.tolist()}
 
 
 def _acting(one: Mapping[str, Any], usual: Usual) -> Acting:
@@ -177,8 +177,10 @@ def _acting(one: Mapping[str, Any], usual: Usual) -> Acting:
         raise StateError(
             f"what was learnt speaks of {one['name']!r}, which this version does not know", remedy="learn anew"
         )
-    nodes = np.array(one["nodes"], dtype=float).reshape(1, -1)
-    return Acting(asked, nodes, one["place"], np.array(one["size"], dtype=float))
+    nodes, size = np.array(one["nodes"], dtype=float).reshape(1, -1), np.array(one["size"], dtype=float)
+    if one.get("place") is not None:  # earlier files have a load's place apart, and how much there is of its slope
+        nodes, size = np.array([[one["place"]]]), size[:1]
+    return Acting(asked, nodes, size)
 
 
 def _told(one: ChangeFound) -> dict[str, Any]:

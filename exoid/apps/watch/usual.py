@@ -79,7 +79,7 @@ def learned(
     now = fitted_model(identify(model, question.train, optimisers=()), question)
     blocks = [now.block_of(entry) for entry in kept]
     scale = now.scale
-    may = questions(now, [b.columns for b in blocks], len(blocks), extra, always=False)
+    may = questions(now, extra)
     watched = Watched(may, now)
     found, chance = [], []
     for item, block in zip(kept, blocks, strict=True):
@@ -87,6 +87,6 @@ def learned(
         found.append(scores(columns, block.residual, block.use, scale, block))
         chance.append(placebos(columns, block.residual, block, scale, settings.placebos, rng))
     detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
-    asked = {candidate.name: candidate for candidate in may.candidates if isinstance(candidate, Asked)}
+    asked = {item.name: item for item in may}
     largest = np.max([np.max(np.abs(b.residual) * b.use, axis=1) for b in blocks], axis=0)
     return Usual(now, watched, detector, scale, now.train_rms, largest, asked)

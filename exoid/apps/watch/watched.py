@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from exoid.apps.watch.window import Window
-from exoid.diagnosis.against.questions import Asked, Questions, columns_on
+from exoid.diagnosis.against.questions import Asked
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.symbolic.motion import Float
 
@@ -14,19 +16,19 @@ NODES = 1
 
 
 class Watched:
-    """Every change of `questions`, beside the model as it is `now`."""
+    """Every change that is `asked` about, beside the model as it is `now`."""
 
-    def __init__(self, questions: Questions, now: FittedModel) -> None:
+    def __init__(self, asked: Sequence[Asked], now: FittedModel) -> None:
         self.now = now
-        self.asked = [(item, _some(item.nodes[0])) for item in questions.candidates if isinstance(item, Asked)]
+        self.asked = [(item, _some(item.nodes)) for item in asked]
 
     def columns(self, window: Window, base: Float) -> Float:
         """Return the columns (C, J, K) on a window, on which those of the model are `base` (J, K, P)."""
         return np.concatenate([self._of(item, nodes, window, base) for item, nodes in self.asked])
 
     def _of(self, one: Asked, nodes: Float, window: Window, base: Float) -> Float:
-        found = columns_on(one, nodes, window, base, self.now)
-        whole = np.concatenate([np.moveaxis(found.full(v, len(base)), 2, 0) for v in range(len(nodes))])
+        found = one.columns(nodes, window, base, self.now)
+        whole = np.concatenate(np.moveaxis(found, 3, 1))
         return whole if np.isfinite(whole).all() else np.zeros_like(whole)  # what has no value is never chosen
 
 

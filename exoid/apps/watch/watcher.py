@@ -28,9 +28,9 @@ from exoid.apps.watch.settings import Settings
 from exoid.apps.watch.state import WatchState
 from exoid.apps.watch.usual import GROWN, Usual, learned
 from exoid.apps.watch.window import Window, joined_windows
-from exoid.diagnosis.against.differences import MOST, QUICK
+from exoid.diagnosis.against.differences import MOST
 from exoid.diagnosis.against.result import Differences
-from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import ExoidError
 from exoid.ground.thresholds import threshold
 from exoid.symbolic.effect import Effect
@@ -55,7 +55,7 @@ class Watcher:
     model: Model
     settings: Settings = field(default_factory=Settings)
     extra: Sequence[Effect] = ()
-    rules: Rules = QUICK
+    rules: Rules = RULES
     restored: WatchState | None = None
     """What an earlier watch has learnt; taken over with the first block."""
 
@@ -374,8 +374,7 @@ class Watcher:
         usual = self.memory.usual[: self.settings.learn // TOGETHER * 2 // 3]
         question = asked_of(self.reference.now, [*usual, *joined_windows(recent, TOGETHER)], after)
         known = already([c for c in (*self.lasting, *self.applied) if c is not but])
-        rules = replace(self.rules, placebos=self.settings.draws)
-        return differences_of(question, self.settings.seed, self.extra, rules, most, known)
+        return differences_of(question, self.settings.seed, self.extra, self.rules, most, known)
 
     def _refine(self, change: Applied) -> list[Event]:
         """Name a change once more, now that it has lasted."""

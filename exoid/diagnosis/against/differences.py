@@ -1,9 +1,9 @@
 """Before against after: which number of the model, load, sensor or effect differs, with intervals and look-alikes.
 
-The model is fitted to what was recorded before. Then `discover`'s evidence is asked, over all recordings together:
-held-out parts, placebos by circular shifts, false-discovery rate, stability. A candidate may act only after (a change)
-or all along (an error of the model that is no change). What leads is granted, and the rest asked again. A change that
-an old error explains as well is not reported: another motion may merely show that error.
+The model is fitted to what was recorded before. What differs is then a claim about a group of recordings, those made
+after, and is asked as `discover` asks what belongs to recordings: learnt on one half of each, judged on the other. What
+leads is granted, and the rest asked again. A change that an error of the model explains as well, if it was there all
+along, is not reported: another motion may merely show that error.
 """
 
 from __future__ import annotations
@@ -13,23 +13,24 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
-from exoid.diagnosis.against.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
-from exoid.diagnosis.against.questions import FARTHEST, NEAREST, Acting, Asked, questions
+from exoid.diagnosis.against.questions import Acting, Asked, questions
 from exoid.diagnosis.against.result import ChangeFound, Course, Differences
-from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.look_alikes import look_alikes
-from exoid.diagnosis.evidence.placebo import placebo
-from exoid.diagnosis.evidence.ranking import agreed, mark_significant
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.gain import Evidence, pooled_scale, robust_weight
 from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.hypotheses import Claim, nothing
+from exoid.diagnosis.own_numbers.compared import clearer, total
+from exoid.diagnosis.own_numbers.fits import Fits
+from exoid.diagnosis.own_numbers.found import TRIED, at_best_node, clear_among
+from exoid.diagnosis.own_numbers.numbers import spread_of
+from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.question import own_effects
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.ties import ascending
+from exoid.ground.ties import ascending, least_of
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.signals.methods import BUTTERWORTH
@@ -46,10 +47,6 @@ STRETCH = 2.0
 NONE: Mapping[str, Float] = MappingProxyType({})
 MOST = 3
 """Differences named at most."""
-ROUNDS, STEP, ENOUGH = 12, 0.1, 1e-4
-"""Times the place of a load is looked for, by how many m at most at a time, and when it is found."""
-QUICK = replace(RULES, placebo_for=6, placebo_nodes=25)
-"""Thresholds as elsewhere; but half as many candidates get placebos, with fewer places in their search, for speed."""
 
 
 def compare_against(
@@ -74,21 +71,23 @@ def compare_against(
     question = prepare(machine, before, after, cutoff=cutoff, derivative=derivative)
     began = time.perf_counter()
     now = fitted_model(identify(machine, question.train, optimisers=()), question)
-    return BeforeAfter(now, seed, own_effects(machine, tuple(extra)), QUICK, MOST).run(began)
+    return BeforeAfter(now, seed, own_effects(machine, tuple(extra)), RULES, MOST).run(began)
 
 
 @dataclass(frozen=True, eq=False)
-class _Granted:
-    """A change taken into the model: its score, its columns (J, K, m) on every recording, and what looks like it.
+class _Change:
+    """What was `asked`, as it is `held` at its `node` (S,): after, or `always`; a load taken off is one held before.
 
-    Of a load, `place` is where it is in m, and its columns are those of its mass and of its place.
+    `share` is the part of the loss that it explains, `alike` what these data cannot distinguish from it.
     """
 
-    score: Score
     asked: Asked
-    columns: list[Float]
+    held: State
+    node: Float
+    always: bool = False
+    share: float = 0.0
+    p_value: float = 1.0
     alike: tuple[str, ...] = ()
-    place: float | None = None
 
 
 class BeforeAfter:
@@ -101,283 +100,295 @@ class BeforeAfter:
         self, now: FittedModel, seed: int, extra: tuple[Effect, ...], rules: Rules, most: int,
         already: Mapping[str, Float] = NONE,
     ) -> None:  # fmt: skip
-        self.now, self.seed, self.most, self.already = now, seed, most, already
-        self.before = len(now.prepared.train)
-        self.joints = len(now.model.joints)
+        self.now, self.seed, self.rules, self.most, self.already = now, seed, rules, most, already
+        self.fits = Fits(now, rules, {})
+        self.all = tuple(range(len(now.prepared.all)))
+        self.before, self.after = self.all[: len(now.prepared.train)], self.all[len(now.prepared.train) :]
+        self.questions = questions(now, extra)
         self.old: tuple[str, ...] = ()
-        whole = cut_evidence(now, self.before, seed, rules)
-        self.questions = questions(now, [block.columns for block in whole.blocks], self.before, extra)
-        changes = sum(isinstance(c, Asked) and not c.always for c in self.questions.candidates)
-        # Enough that one alone among so many can be significant.
-        least = math.ceil(changes / rules.level)
-        self.rules = replace(rules, placebos=max(rules.placebos, least))
-        self.evidence = replace_blocks(whole, whole.blocks, seed, self.rules)
+        known = {claim: claim for claim in self.fits.claims}
+        self.claims: dict[str, Claim] = {}
+        own = {(claim.what, claim.place, claim.of): claim for claim in known}
+        for item in self.questions:
+            if item.claim is not None:
+                self.claims[item.name] = own[item.claim.what, item.claim.place, item.claim.of]
+            elif item.column is not None:
+                claim = Claim("number", item.name, "", nothing, (-np.inf, np.inf))
+                self.fits.place[claim] = slice(item.column, item.column + 1)
+                self.claims[item.name] = claim
+        self.columns: dict[str, list[Columns]] = {}
 
     def run(self, began: float) -> Differences:
         """Grant what leads until nothing is left that is significant."""
-        granted: list[_Granted] = []
-        evidence, refused = self.evidence, set[str]()
-        while len(granted) < 2 * self.most and sum(not g.asked.always for g in granted) < self.most:
-            found = self._next(evidence, granted, refused)
+        granted: list[_Change] = []
+        refused = set[str]()
+        while len(granted) < 2 * self.most and sum(not g.always for g in granted) < self.most:
+            found = self._next(granted, refused)
             if found is None:
                 break
-            if not found.asked.always and not self._exceeds_scatter(evidence, found):
-                refused.add(found.asked.label)
-                continue
-            granted.append(found)
-            evidence = with_columns(evidence, found.columns, self.seed, self.rules)
-        return self._written(evidence, granted, began)
+            if found.always or self._exceeds_scatter(granted, found):
+                granted.append(found)
+                for k, one in enumerate(granted):
+                    granted[k] = self._placed(_state([g for g in granted if g is not one]), one)
+            else:
+                refused.add(found.asked.name)
+        return self._written(granted, began)
 
-    def _next(self, evidence: Evidence, granted: Sequence[_Granted], refused: set[str]) -> _Granted | None:
-        """The leader of all that is significant; of those that cannot be distinguished, one that is no change; None
-        where nothing is significant.
+    def _next(self, granted: Sequence[_Change], refused: set[str]) -> _Change | None:
+        """What leads of all that pays; of those that cannot be distinguished, one that is no change; None where nothing
+        does.
         """
-        taken = {g.asked.label for g in granted} | refused
-        changes = self._changes(evidence, taken)
-        good = [s for s in changes if s.significant]
-        if any(not g.asked.always for g in granted):
-            # Most often one thing changes: a second one has to be significant among all by itself.
-            strict = self.rules.level / len(changes)
-            good = [s for s in good if s.p_value is not None and s.p_value <= strict]
-        if granted and not good:
+        fits, state = self.fits, _state(granted)
+        taken = {g.asked.name for g in granted} | refused
+        changes = self._promising(state, [item for item in self.questions if item.name not in taken], self.after)
+        if not changes or not self._pays(granted, lead := self._leading(state, changes)):
+            if not granted:
+                errors = self._promising(state, self.questions, self.all)
+                once = total(fits.losses(state))
+                left = [(total(fits.losses((*state, *e.held))), e) for e in errors]
+                told = [e for loss, e in left if loss <= (1.0 - self.rules.worth_telling) * once]
+                self.old = tuple(e.asked.name for e in told[:1])
             return None
-        # An error that was there all along has to show nothing but that it explains as much: where something leads,
-        # only what comes near it can.
-        least = self.rules.half * changes[0].share if good and changes else 0.0
-        scores = _by_share([*changes, *self._old(evidence, [s for s in changes if s.share >= least])])
-        if not good:
-            errors = [s for s in scores if s.eligible and _asked(s).always and s.share >= self.rules.worth_telling]
-            self.old = tuple(_asked(s).label for s in errors[:1])
-            return None
-        lead = good[0]
-        near = [s for s in scores if s.eligible and s is not lead and s.share >= self.rules.half * lead.share]
-        pairs = [(s, self._at(s)) for s in near]
-        lags = look_alikes(evidence, (lead, self._at(lead)), pairs)
-        alike = [s for s in near if s.name in lags]
-        old = [s for s in near if _asked(s).always and (s.name in lags or s.share > lead.share)]
-        if old:
-            lead = old[0]
-        else:
-            tied = [
-                s for s in alike if lags[s.name] < self.rules.tied and s.share >= self.rules.practically * lead.share
+        least_share = self.rules.half * self._share(state, lead)
+        near = [c for c in changes if c.asked is not lead.asked and self._share(state, c) >= least_share]
+        errors = self._promising(state, [c.asked for c in (lead, *near) if c.asked.column is None], self.all)
+        fits.weigh((*state, *lead.held))
+        once, least = fits.losses(state), fits.losses((*state, *lead.held))
+        alike: dict[_Change, float] = {}
+        for rival in (*near, *errors):
+            loss = fits.losses((*state, *rival.held))
+            gain = total(once) - total(loss)
+            beside = total(least) - total(fits.losses((*state, *lead.held, *rival.held)))
+            lag = clearer(loss, least)
+            if lag < self.rules.clear and (beside <= self.rules.half * gain or rival.asked is lead.asked):
+                alike[rival] = lag
+        if old := [rival for rival in errors if rival in alike]:
+            return old[0]
+        tied = [r for r, lag in alike.items() if lag < self.rules.tied and _many(r) < _many(lead)]
+        rest = [c for c in (lead, *alike) if c not in tied[:1]]
+        lead = tied[0] if tied else lead
+        names = tuple(c.asked.name for c in rest if c is not lead)
+        z = clearer(once, fits.losses((*state, *lead.held)))
+        chance = min(1.0, 0.5 * len(self.questions) * math.erfc(z / math.sqrt(2.0)))
+        return replace(lead, alike=names, share=self._share(state, lead), p_value=chance)
+
+    def _leading(self, state: State, changes: Sequence[_Change]) -> _Change:
+        """The change that explains most where the fit is weighted for it."""
+        some = ascending(changes, lambda one: self.fits.loss((*state, *one.held)), 1.0)[:TRIED]
+        for _ in range(2):  # the second time in units of what the first leaves
+            lead = least_of(some, lambda one: self.fits.weighed_loss((*state, *one.held)), 1.0)
+            self.fits.weigh((*state, *lead.held))
+            self.fits.rescale((*state, *lead.held))
+        return self._placed(state, lead)
+
+    def _placed(self, rest: State, one: _Change) -> _Change:
+        """A change at the place that fits best where the fit is weighted for it."""
+        if one.asked.claim is None:
+            return one
+        self.fits.weigh((*rest, *one.held))
+        held = at_best_node(self.fits, rest, one.held[0])
+        return replace(one, held=(held,), node=np.array([held.node]))
+
+    def _pays(self, granted: Sequence[_Change], lead: _Change) -> bool:
+        """True if a change is clear. Most often one thing changes: a second one has to be clearer."""
+        state, rules = _state(granted), self.rules
+        level = rules.level if all(g.always for g in granted) else rules.strict_level
+        once, then = self.fits.losses(state), self.fits.losses((*state, *lead.held))
+        possible = bool(np.isfinite(self.fits.loss((*state, *lead.held))))
+        return possible and self._share(state, lead) >= self.rules.worth_telling and clearer(once, then) >= clear_among(len(self.questions), level, rules)
+
+    def _share(self, state: State, one: _Change) -> float:
+        """Part of the loss that a change explains."""
+        once, then = self.fits.losses(state), self.fits.losses((*state, *one.held))
+        return 1.0 - total(then) / max(total(once), 1e-300)
+
+    def _promising(self, state: State, asked: Sequence[Asked], where: tuple[int, ...]) -> list[_Change]:
+        """Those of what is asked that explain at least a little where they act in the recordings `where`, best first."""
+        fits, always = self.fits, where == self.all
+        fits.weigh(state)
+        found = []
+        evidence = self._evidence(state)
+        scores = [(item, self._weighed(evidence, item, where)) for item in asked if item.candidate is not None]
+        best = ascending([(i, s) for i, s in scores if s.eligible], lambda pair: -pair[1].share, 1.0)[:TRIED]
+        for item, score in best:
+            found.append(self._taken(item, item.nodes[int(score.nodes[0])], where))
+        fits.weigh(state)
+        for item in asked:
+            if item.candidate is None and not (always and item.column is not None):
+                claim = self.claims[item.name]
+                groups = (where, self.before) if claim.shared and not always else (where,)
+                held = [at_best_node(fits, state, Claimed(claim, claim.nodes[0], (group,))) for group in groups]
+                least = least_of(held, lambda one: fits.loss((*state, one)), 1.0)
+                found.append(_Change(item, (least,), np.array([least.node]), always))
+        once = fits.loss(state)
+        losses = [(fits.loss((*state, *one.held)), one) for one in found]
+        useful = [pair for pair in losses if pair[0] <= (1.0 - self.rules.least_share) * once]
+        return [one for _, one in ascending(useful, lambda pair: pair[0], 1.0)]
+
+    def _evidence(self, state: State) -> Evidence:
+        """What is left beside a state, each recording in two halves, to weigh effects by."""
+        fits = self.fits
+        step = fits.fitted(state, np.ones((len(self.all), 2)))
+        left = fits.left_by(state, [step, step])
+        blocks = [
+            replace(
+                block, columns=rows @ chosen[:, :-1], residual=r, fold=np.arange(r.shape[1]) * 2 // r.shape[1]
+            )
+            for block, rows, chosen, r in zip(fits.blocks, fits.rows, fits.chosen(state), left, strict=True)
+        ]
+        prior = np.zeros(len(step))
+        prior[: fits.count] = fits.prior
+        return Evidence(blocks, [], seed=self.seed, draws=0, prior=prior, rules=self.rules)
+
+    def _weighed(self, evidence: Evidence, item: Asked, where: tuple[int, ...]) -> Score:
+        assert item.candidate is not None
+        if item.name not in self.columns:
+            joints = tuple(range(len(self.now.model.joints)))
+            self.columns[item.name] = [
+                Columns(joints, item.columns(item.nodes, one, block.columns, self.now))
+                for one, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
             ]
-            simpler = [s for s in tied if s.candidate.numbers < lead.candidate.numbers]
-            if simpler:
-                alike = [s for s in [lead, *alike] if s is not simpler[0]]
-                lead = simpler[0]
-        asked = _asked(lead)
-        columns = [c.full(0, self.joints) for c in self._at(lead)]
-        names = tuple(s.name for s in alike if not _asked(s).always and s is not lead)
-        leader = _Granted(lead, asked, columns, names)
-        return leader if asked.link is None else self._placed(evidence, leader)
+        whole = self.columns[item.name]
+        acting = [c if k in where else Columns.absent(c.joints, c.values.shape) for k, c in enumerate(whole)]
+        return weigh(evidence, item.candidate, acting)
 
-    def _placed(self, evidence: Evidence, one: _Granted) -> _Granted:
-        """Return a load at the place that fits best, with the slope by its place beside it."""
-        place = float(one.score.shape[-1, 0])
-        for _ in range(ROUNDS):
-            found = replace(one, place=place)
-            absent = (np.zeros((*base.shape[:2], 2)) for base in self.questions.base[: self.before])
-            found = replace(found, columns=[*absent, *self._in_every_recording(found)[self.before :]])
-            mass, moment = CommonFit(evidence, [found.columns]).solve()[-2:]
-            nearer = place + (moment / mass if mass else 0.0)
-            nearer = float(np.clip(nearer, max(NEAREST, place - STEP), min(FARTHEST, place + STEP)))
-            if abs(nearer - place) < ENOUGH:
-                break
-            place = nearer
-        return found
+    def _taken(self, item: Asked, node: Float, where: tuple[int, ...]) -> _Change:
+        """An effect at a node, its columns among the claims."""
+        own = [
+            item.columns(node[None], one, block.columns, self.now)[0]
+            for one, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
+        ]
+        claims = [Claim("effect", item.name, unit, nothing, (low, high)) for unit, low, high in item.numbers.values()]
+        self.fits.take(claims, own)
+        return _Change(item, tuple(Claimed(claim, 0.0, (where,)) for claim in claims), node, where == self.all)
 
-    def _changes(self, evidence: Evidence, taken: set[str]) -> list[Score]:
-        """Return all changes that are asked about, best first, those that promise something with placebos."""
-        asked = [c for c in self._asked(taken) if not c.always]
-        changes = _by_share(self._weighed(evidence, asked))
-        for score in [s for s in changes if s.eligible][: self.rules.placebo_for]:
-            columns = self.questions.columns(score.candidate, self.now)
-            changes[changes.index(score)] = placebo(evidence, score, columns)
-        return mark_significant(changes, self.rules.level)
+    def _course(self, granted: Sequence[_Change], one: _Change) -> list[Float]:
+        """Course of a change beside all else that was granted, (3, stretches) of each recording: when, the size it has,
+        and how much a stretch can tell.
+        """
+        fits, state = self.fits, (*_state([g for g in granted if g is not one]), *one.held)
+        fits.weigh(state)
+        step = fits.fitted(state, np.ones((len(self.all), 2)))
+        left, size = fits.left_by(state, [step, step]), step[-len(one.held) :]
+        sigma = pooled_scale(list(zip(left, fits.use, strict=True)))
+        out = []
+        for k, (rows, recording) in enumerate(zip(fits.rows, self.now.prepared.all, strict=True)):
+            weight = robust_weight(replace(fits.blocks[k], residual=left[k]), sigma, self.rules) / sigma[:, None] ** 2
+            column = _turned(one, self.after) * sum(
+                (rows[:, :, fits.place[h.claim]] @ h.claim.mix(h.node)) * x for h, x in zip(one.held, size, strict=True)
+            )
+            rest = left[k] + column * (k in self.after)
+            starts = np.arange(0, rest.shape[1], max(1, round(STRETCH * recording.kept_rate)))
+            power = np.add.reduceat(np.sum(weight * column**2, axis=0), starts)
+            slope = np.add.reduceat(np.sum(weight * column * rest, axis=0), starts)
+            middle = recording.t[np.minimum(starts + starts[1:2].sum() // 2, recording.t.size - 1)]
+            out.append(np.array([middle, slope / np.maximum(power, 1e-300), power]))
+        return out
 
-    def _old(self, evidence: Evidence, changes: Sequence[Score]) -> list[Score]:
-        """Scores of the same `changes` as errors that were there all along."""
-        labels = {_asked(s).label for s in changes}
-        return self._weighed(evidence, [c for c in self._asked(set()) if c.always and c.label in labels])
-
-    def _asked(self, taken: set[str]) -> list[Asked]:
-        return [c for c in self.questions.candidates if isinstance(c, Asked) and c.label not in taken]
-
-    def _weighed(self, evidence: Evidence, asked: Sequence[Asked]) -> list[Score]:
-        columns = {c.name: self.questions.columns(c, self.now) for c in asked}
-        scores = [weigh(evidence, c, columns[c.name]) for c in asked]
-        # Of a side with a single recording, no split both fits and judges a part.
-        lone = min(self.before, len(evidence.blocks) - self.before) < 2
-        return scores if lone else agreed(evidence, scores, columns)
-
-    def _at(self, score: Score) -> list[Columns]:
-        """Return the columns of a score at its node."""
-        whole = self.questions.columns(score.candidate, self.now)
-        return [c.node(int(n)) for c, n in zip(whole, score.nodes, strict=True)]
-
-    def _in_every_recording(self, one: _Granted) -> list[Float]:
-        """Return the columns (J, K, m) of what was granted, as if it acted in every recording."""
-        if one.place is not None:
-            return [one.asked.placed(self.now.model, base, one.place) for base in self.questions.base]
-        found = (self.questions.at(one.asked, row[None], k, self.now) for k, row in enumerate(one.score.shape))
-        return [c.full(0, self.joints) for c in found]
-
-    def _exceeds_scatter(self, evidence: Evidence, found: _Granted) -> bool:
+    def _exceeds_scatter(self, granted: Sequence[_Change], found: _Change) -> bool:
         """True if the change is larger than what recordings made before differ by among themselves."""
-        if self.before < 3:
+        if len(self.before) < 3:
             return True
-        whole = self._in_every_recording(found)
-        system = CommonFit(evidence, [found.columns])
-        step = system.solve()
-        size = step[-found.columns[0].shape[2] :]
-        own = []
-        for k in range(self.before):
-            weight, column = system.weights[k], whole[k] @ size
-            power = float(np.sum(weight * column**2))
-            if power > 0.0:
-                own.append((float(np.sum(weight * column * system.left(k, step))) / power, power))
-        after = sum(
-            float(np.sum(w * (x @ size) ** 2)) for w, x in zip(system.weights[self.before :], whole[self.before :],
-            strict=True)
-        )  # fmt: skip
-        if len(own) < 3:
+        course = self._course(granted, found)
+        power = np.array([part[2].sum() for part in course])
+        wants = np.array([part[1] @ part[2] for part in course]) / np.maximum(power, 1e-300)
+        own, after = power[: len(self.before)], float(power[len(self.before) :].sum())
+        usable = own > 0.1 * np.median(own[own > 0.0]) if own.any() else own > 0.0
+        if usable.sum() < 3:
             return True
-        values, power = np.array(own).T
-        usable = power > 0.1 * np.median(power)
         # Relative to the change, which is 1 in these units; a recording that shows little of it scatters more.
-        spread = float(np.sqrt(np.average(values[usable] ** 2, weights=power[usable])))
-        share = float(np.median(power[usable])) / max(after, 1e-300)
+        spread = float(np.sqrt(np.average(wants[: len(own)][usable] ** 2, weights=own[usable])))
+        share = float(np.median(own[usable])) / max(after, 1e-300)
         return self.rules.clear * spread * np.sqrt(min(1.0, share) + 1.0 / usable.sum()) < 1.0
 
-    def _written(self, evidence: Evidence, granted: Sequence[_Granted], began: float) -> Differences:
-        changes = [g for g in granted if not g.asked.always]
-        prepared = self.now.prepared
-        base = evidence.blocks  # with all that was granted
-        system = CommonFit(replace_blocks(self.evidence, base, self.seed, self.rules), [])
-        step = system.solve()
-        left = [system.left(k, step) for k in range(len(base))]
-        old = self.now.residuals
-        train, verify = prepared.train, prepared.verify
+    def _written(self, granted: Sequence[_Change], began: float) -> Differences:
+        prepared, state, many = self.now.prepared, _state(granted), len(self.before)
+        self.fits.weigh(state)
+        step = self.fits.fitted(state, np.ones((len(self.all), 2)))
+        old, left = self.now.residuals, self.fits.left_by(state, [step, step])
         return Differences(
-            found=tuple(self._difference(g, granted) for g in changes),
-            old=tuple(dict.fromkeys([*(g.asked.label for g in granted if g.asked.always), *self.old])),
-            before=tuple(p.name for p in train),
-            after=tuple(p.name for p in verify),
+            found=tuple(self._difference(g, granted) for g in granted if not g.always),
+            old=tuple(dict.fromkeys([*(g.asked.name for g in granted if g.always), *self.old])),
+            before=tuple(p.name for p in prepared.train),
+            after=tuple(p.name for p in prepared.verify),
             joints=self.now.model.joint_names,
-            rms_before=tuple(map(float, pooled_rms(old[: self.before], train))),
-            rms_after=tuple(map(float, pooled_rms(old[self.before :], verify))),
-            rms_named=tuple(map(float, pooled_rms(left[self.before :], verify))),
+            rms_before=tuple(map(float, pooled_rms(old[:many], prepared.train))),
+            rms_after=tuple(map(float, pooled_rms(old[many:], prepared.verify))),
+            rms_named=tuple(map(float, pooled_rms(left[many:], prepared.verify))),
             units=tuple(joint.unit("tau") for joint in self.now.model.joints),
             seconds=time.perf_counter() - began,
             audit=prepared.findings,
         )
 
-    def _difference(self, one: _Granted, granted: Sequence[_Granted]) -> ChangeFound:
-        """Return one change with its numbers before and after, all that was granted fitted beside it."""
-        others = [g.columns for g in granted if g is not one]
-        own = one.asked.number
-        # What a load would add all along is in the model's own numbers.
-        loads = one.place is not None
-        whole = [] if own is not None or loads else [self._in_every_recording(one)]
-        system = CommonFit(self.evidence, [*others, *whole, one.columns])
-        step = system.solve()
-        spread, critical = system.spread(step)
-        width = one.columns[0].shape[2]
-        count = len(step)
-        change = np.eye(count)[count - width :]
-        size = amount = change @ step
-        model, fit = self.now.model, self.now.fit
-        if own is not None:
-            before, start = np.eye(count)[[own]], np.array([np.concatenate([fit.linear, fit.shape])[own]])
-            units = [[*(p.unit for p in model.parameters), *(s.shape.unit for s in model.shapes)][own]]
-            names = [one.asked.label]
-        elif loads:
-            change = change[:1]
-            before, start = np.zeros((1, count)), np.zeros(1)
-            names, units = ["mass"], ["kg"]
+    def _difference(self, one: _Change, granted: Sequence[_Change]) -> ChangeFound:
+        """One change with its numbers before and after, all that was granted fitted beside it."""
+        fits, asked, own = self.fits, one.asked, one.held
+        # What a load, a gain or a level of friction would be all along is in the model's own numbers.
+        apart = asked.candidate is not None or asked.kind == "sensor"
+        if apart:
+            own = tuple(replace(h, groups=(self.before, self.after)) for h in own)
+        state = (*_state([g for g in granted if g is not one]), *own)
+        fits.weigh(state)
+        step = fits.fitted(state, np.ones((len(self.all), 2)))
+        spread = spread_of(fits, state, step)
+        step = np.append(step, np.zeros(len(spread.matrix) - len(step)))
+        unit = np.eye(len(step))
+        first, start = fits.count + sum(len(h.groups) for h in state[: -len(own)]), np.zeros(len(own))
+        turned, claim = _turned(one, self.after), own[0].claim
+        if apart:
+            before = unit[first : first + 2 * len(own) : 2]
+            change = unit[first + 1 : first + 2 * len(own) : 2] - before
         else:
-            before, start = np.eye(count)[count - 2 * width : count - width], np.zeros(width)
-            names, units = _numbers(one.asked)
-
-        if one.asked.change:  # a whole change at its value: the coefficient is a share of that
-            before, change = (rows * one.score.shape[-1, 0] for rows in (before, change))
-            size = change @ step
+            before, change = np.zeros((len(own), len(step))), turned * unit[first : first + len(own)]
+            if asked.column is not None:
+                before = unit[[asked.column]]
+                start += np.concatenate([self.now.linear, self.now.shape])[asked.column]
+            start += claim.usual
+        amount = change @ step
+        if asked.candidate is not None and asked.candidate.change:  # a whole change at its value: a share of that
+            before, change = (rows * one.node[0] for rows in (before, change))
+        known = self.already.get(asked.name, start)
+        start = start + known if known is not start and known.size == start.size else start
 
         def said(rows: Float, offset: Float) -> tuple[Estimate, ...]:
             middle = rows @ step + offset
-            half = critical * np.sqrt(np.maximum(np.einsum("kp,pq,kq->k", rows, spread, rows), 0.0))
+            half = spread.critical * np.sqrt(np.maximum(np.einsum("kp,pq,kq->k", rows, spread.matrix, rows), 0.0))
             return tuple(
                 Estimate(n, float(v), u, float(v - h), float(v + h))
-                for n, v, u, h in zip(names, middle, units, half, strict=True)
+                for (n, (u, *_)), v, h in zip(asked.numbers.items(), middle, half, strict=True)
             )
 
+        place = None
+        if claim in spread.places:
+            half = float(spread.width[spread.places[claim]])
+            place = Estimate("along", one.node[0], "m", max(0.0, one.node[0] - half), one.node[0] + half)
+        shape = {} if asked.candidate is None or not asked.candidate.term.effect.coefficients else dict(
+            zip(asked.candidate.term.effect.shape, map(float, one.node), strict=True)
+        )
         return ChangeFound(
-            name=one.asked.label,
-            kind=one.asked.kind,
-            before=said(before, start + self._already(one, len(start))),
-            after=said(before + change, start + self._already(one, len(start))),
+            name=asked.name,
+            kind=asked.kind,
+            before=said(before, start),
+            after=said(before + change, start),
             change=said(change, np.zeros(len(change))),
-            place=self._place(one, step, spread, critical),
-            acting=Acting(one.asked, one.score.shape[-1][None], one.place, amount),
-            shape=_shape(one),
+            place=place,
+            acting=Acting(asked, one.node[None], amount),
+            shape=shape,
             look_alikes=one.alike,
-            share=one.score.share,
-            p_value=float(one.score.p_value if one.score.p_value is not None else 1.0),
-            course=self._course(one, granted, size),
+            share=one.share,
+            p_value=one.p_value,
+            course=Course(*np.concatenate(self._course(granted, one), axis=1)),
         )
 
-    def _already(self, one: _Granted, count: int) -> Float:
-        known = self.already.get(one.asked.label)
-        return np.zeros(count) if known is None or known.size != count else known
 
-    def _place(self, one: _Granted, step: Float, spread: Float, critical: float) -> Estimate | None:
-        """Place of a load along its link, from the last two of `step`: its mass and that times what its place is off
-        by; None where it has none.
-        """
-        if one.place is None or not step[-2]:
-            return None
-        slope = np.array([-step[-1] / step[-2] ** 2, 1.0 / step[-2]])
-        middle = one.place + float(step[-1] / step[-2])
-        half = critical * float(np.sqrt(slope @ spread[-2:, -2:] @ slope))
-        low, high = (float(np.clip(x, NEAREST, FARTHEST)) for x in (middle - half, middle + half))
-        return Estimate("along", float(np.clip(middle, NEAREST, FARTHEST)), "m", low, high)
-
-    def _course(self, one: _Granted, granted: Sequence[_Granted], size: Float) -> Course:
-        """Course of the change: the size it has, stretch by stretch, beside all else that was granted."""
-        system = CommonFit(self.evidence, [*(g.columns for g in granted if g is not one), one.columns])
-        step = system.solve()
-        own = self._in_every_recording(one)
-        rows = []
-        for k, (masked, recording) in enumerate(zip(one.columns, self.now.prepared.all, strict=True)):
-            weight, column = system.weights[k], own[k] @ size
-            rest = system.left(k, step) + masked @ step[-size.size :]
-            count = max(1, round(STRETCH * recording.kept_rate))
-            starts = np.arange(0, rest.shape[1], count)
-            power = np.add.reduceat(np.sum(weight * column**2, axis=0), starts)
-            slope = np.add.reduceat(np.sum(weight * column * rest, axis=0), starts)
-            middle = recording.t[np.minimum(starts + count // 2, recording.t.size - 1)]
-            rows.append(np.array([middle, slope / np.maximum(power, 1e-300), power]))
-        return Course(*np.concatenate(rows, axis=1))
+def _state(granted: Sequence[_Change]) -> State:
+    return tuple(held for change in granted for held in change.held)
 
 
-def _by_share(scores: Sequence[Score]) -> list[Score]:
-    return ascending(scores, lambda score: -score.share, 1.0)
+def _many(one: _Change) -> int:
+    return len(one.held) + (one.asked.nodes.shape[1] if len(one.asked.nodes) > 1 else 0)
 
 
-def _asked(score: Score) -> Asked:
-    assert isinstance(score.candidate, Asked)
-    return score.candidate
-
-
-def _numbers(asked: Asked) -> tuple[list[str], list[str]]:
-    effect, term = asked.term.effect, asked.term
-    entries: dict[str, Any] = dict(effect.coefficients) or {k: v for k, v in [*effect.shape.items()][:1]}
-    return list(entries), [term.unit(entry.unit) for entry in entries.values()]
-
-
-def _shape(one: _Granted) -> dict[str, float]:
-    if one.place is not None:
-        return {}
-    if not one.asked.term.effect.coefficients:
-        return {}
-    return {key: float(v) for key, v in zip(one.asked.term.effect.shape, one.score.shape[-1], strict=True)}
+def _turned(one: _Change, after: tuple[int, ...]) -> float:
+    """-1 for what those before have and those after have not."""
+    return -1.0 if not one.always and one.held[0].groups[0] != after else 1.0

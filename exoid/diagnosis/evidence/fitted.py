@@ -164,8 +164,11 @@ class FittedModel:
 
     def block_of(self, one: PreparedRecording) -> RecordingEvidence:
         """Return any prepared recording as the evidence sees it, at the numbers of this model."""
-        residual = one.torque - _filtered_torque(self.model, one, self.linear, self.shape)
-        return _block(self.model, one, self.linear, self.shape, residual, 1)
+        return _block(self.model, one, self.linear, self.shape, one.torque - self.torque_on(one), 1)
+
+    def torque_on(self, one: PreparedRecording) -> Float:
+        """Return the torque (J, K) on any prepared recording after the common filter, N·m."""
+        return _filtered_torque(self.model, one, self.linear, self.shape)
 
     def judged_anew(self) -> Prepared:
         """Return the recordings with spikes of the torques judged anew beside this model."""

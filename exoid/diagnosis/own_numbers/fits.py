@@ -163,6 +163,11 @@ class Fits:
             loss += float(both @ sums[other] @ both)
         return loss
 
+    def rescale(self, state: State) -> None:
+        """Count losses from here on in units of what `state` leaves: beside what is large, bursts would be nothing."""
+        step = self.fitted(state, np.ones((len(self.rows), 2)))
+        self.sigma = pooled_scale(list(zip(self.left_by(state, [step] * 2), self.use, strict=True)))
+
     def _possible(self, state: State, step: Float) -> bool:
         bounds = [held.claim.bounds for held in state for _ in held.groups]
         return all(low <= x <= high for x, (low, high) in zip(step[self.count :], bounds, strict=True))
@@ -209,12 +214,15 @@ class Fits:
         splines = splines_along(everywhere, f"dq{place + 1}", place, "sign", self.rules.knots)
         if splines is None:
             return ()
-        first, many = self.rows[0].shape[2] - 1, splines.basis.shape[1]
-        for k, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
-            columns = np.zeros((*rows.shape[:2], many))
-            columns[place] = splines.columns[part.recording].values[0, 0][part.kept] * use[place][:, None]
-            self.rows[k] = np.concatenate([rows[:, :, :-1], columns, rows[:, :, -1:]], axis=2)
-        claims = [Claim("curve", joint, "N·m", nothing, (-np.inf, np.inf)) for _ in range(many)]
-        self.place |= {claim: slice(first + k, first + k + 1) for k, claim in enumerate(claims)}
+        claims = [Claim("curve", joint, "N·m", nothing, (-np.inf, np.inf)) for _ in range(splines.basis.shape[1])]
+        self.take(claims, [columns.full(0, len(names)) for columns in splines.columns])
         self.curves[joint] = tuple(Claimed(claim, 0.0, (tuple(range(len(self.rows))),)) for claim in claims)
         return self.curves[joint]
+
+    def take(self, claims: Sequence[Claim], columns: Sequence[Float]) -> None:
+        """Take in further claims, each with a piece of the `columns` (J, K, m) on the recordings; then weigh anew."""
+        first = self.rows[0].shape[2] - 1
+        for k, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
+            own = columns[part.recording][:, part.kept] * use[:, :, None]
+            self.rows[k] = np.concatenate([rows[:, :, :-1], own, rows[:, :, -1:]], axis=2)
+        self.place |= {claim: slice(first + k, first + k + 1) for k, claim in enumerate(claims)}

@@ -52,6 +52,27 @@ def placed(fits: Fits, state: State) -> State:
     return _Search(fits).placed(state)
 
 
+def at_best_node(fits: Fits, rest: State, held: Claimed) -> Claimed:
+    """Return a claim at the node that fits best beside the `rest`."""
+    nodes = np.array(held.claim.nodes)
+    if len(nodes) < 2:
+        return held
+    step = float(nodes[1] - nodes[0])
+    best = held
+    for _ in range(1 + FINER):
+        tried = [replace(held, node=float(node)) for node in nodes]
+        best = least_of(tried, lambda one: fits.loss((*rest, one)), 1.0)
+        nodes = best.node + step * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
+        nodes = nodes[nodes > 0.0]
+        step *= 0.25
+    return best
+
+
+def clear_among(questions: int, level: float, rules: Rules) -> float:
+    """Return the standard errors by which one of so many claims is better, by chance as rarely as `level`."""
+    return max(rules.clear, NormalDist().inv_cdf(1.0 - level / questions))
+
+
 class _Search:
     """The search among the claims of some fits."""
 
@@ -60,8 +81,7 @@ class _Search:
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
         questions = sum(1 if claim.everyone or claim.common else self.many for claim in fits.claims)
-        self.clear = max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / questions))
-        """Standard errors by which one of so many claims is better, not by chance."""
+        self.clear = clear_among(questions, self.rules.strict_level, self.rules)
 
     def found(self, state: State) -> State:
         """The claims that hold, of those that are held already and others."""
@@ -108,7 +128,7 @@ class _Search:
     def _all_placed(self, state: State) -> State:
         for item in state:
             others = tuple(other for other in state if other is not item)
-            state = tuple(self._placed(others, other) if other is item else other for other in state)
+            state = tuple(at_best_node(self.fits, others, other) if other is item else other for other in state)
         return state
 
     def _is_a_curve(self, rest: State, held: Claimed) -> bool:
@@ -181,14 +201,14 @@ class _Search:
         """A claim with as many recordings as clearly have it, and no more. No choice of them is asked about twice: the
         weights change, and the best one might turn in circles.
         """
-        held, tried = self._placed(state, held), {held.groups}
+        held, tried = at_best_node(self.fits, state, held), {held.groups}
         while True:
             now = self.fits.weighed_loss((*state, held))
             others = [other for other in self._others(held) if other.groups not in tried]
             if not others:
                 break
             tried.update(other.groups for other in others)
-            best = self._placed(state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
+            best = at_best_node(self.fits, state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
             # Whether one recording more shares a number costs none: what fits better is as likely as it fits.
             once, then = self.fits.losses((*state, held)), self.fits.losses((*state, best))
             enough = held.claim.shared or clearer(once, then) >= self.clear
@@ -225,21 +245,6 @@ class _Search:
         rest = tuple((k,) for k in every if k not in inside)
         longer = [tuple(sorted((*held.groups, item))) for item in rest]
         return [replace(held, groups=entry) for entry in (*longer, rest) if len(entry) < len(every)]
-
-    def _placed(self, state: State, held: Claimed) -> Claimed:
-        """A claim at the node that fits best."""
-        nodes = np.array(held.claim.nodes)
-        if len(nodes) < 2:
-            return held
-        step = float(nodes[1] - nodes[0])
-        best = held
-        for _ in range(1 + FINER):
-            tried = [replace(held, node=float(node)) for node in nodes]
-            best = least_of(tried, lambda one: self.fits.loss((*state, one)), 1.0)
-            nodes = best.node + step * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-            nodes = nodes[nodes > 0.0]
-            step *= 0.25
-        return best
 
     def _pruned(self, state: State) -> State:
         """The claims that are not needless beside the others."""

@@ -171,7 +171,7 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
             others = which.copy()
             others[j, half] = 0.0
             judged[j, half] = fits.fitted(state, others)[fits.count :]
-    numbers, spread = step[fits.count :], _spread(fits, state, step)
+    numbers, spread = step[fits.count :], spread_of(fits, state, step)
     own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, judged)
     own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
     told, at = [], 0
@@ -204,7 +204,7 @@ def _cut(fits: Fits, own: OwnNumbers, step: Float, part: Part) -> float | None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Spread:
+class Spread:
     """The covariance of all numbers, of which the first `count` are the model's; `places` {claim: its place's}."""
 
     matrix: Float
@@ -237,7 +237,7 @@ class _Spread:
         return [width], np.array([value]), unit, None
 
 
-def _spread(fits: Fits, state: State, step: Float) -> _Spread:
+def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     """Uncertainty of numbers and places, valid under autocorrelation."""
     left = fits.left_by(state, [step, step])
     sigma = pooled_scale(list(zip(left, fits.use, strict=True)))
@@ -260,11 +260,11 @@ def _spread(fits: Fits, state: State, step: Float) -> _Spread:
         np.concatenate(columns, axis=1), np.concatenate(left, axis=1), fits.rules.robust * sigma, recordings
     )
     places = {claim: fits.count + len(groups) + k for k, (claim, _, _) in enumerate(slopes)}
-    return _Spread(found.matrix, found.critical, found.half_widths(), fits.count, places)
+    return Spread(found.matrix, found.critical, found.half_widths(), fits.count, places)
 
 
 def _told(
-    fits: Fits, parts: Sequence[Part], held: Claimed, numbers: Float, spread: _Spread, at: int
+    fits: Fits, parts: Sequence[Part], held: Claimed, numbers: Float, spread: Spread, at: int
 ) -> list[Belonging]:
     """Statements of a claim about whole recordings, about what comes before a change, and after one: each by itself."""
     claim, prepared = held.claim, fits.now.prepared

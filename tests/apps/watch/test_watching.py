@@ -406,18 +406,18 @@ def test_columns_that_are_watched_are_those_that_are_asked_about(terms: tuple[st
     one = window("w", made, front.filters.settled, front.filters)
     now = fitted_model(identify(model, [one], optimisers=()), prepared(model.joints, [one]))
     block = now.block_of(one)
-    asked = questions(now, [block.columns], 1, (NOWHERE,), always=False)
+    asked = questions(now, (NOWHERE,))
     columns = iter(Watched(asked, now).columns(one, block.columns))
     names = []
-    for candidate in sorted(asked.candidates, key=lambda c: (c.number is not None) + 2 * (c.link is not None)):  # type: ignore[attr-defined]
-        middle = round(0.5 * (len(candidate.nodes[0]) - 1))
-        values = asked.at(candidate, candidate.nodes[0][[middle]], 0, now)
-        for m in range(values.values.shape[3]):
-            wanted = values.full(0)[:, :, m]
+    for candidate in asked:
+        middle = round(0.5 * (len(candidate.nodes) - 1))
+        values = candidate.columns(candidate.nodes[[middle]], one, block.columns, now)[0]
+        for m in range(values.shape[2]):
+            wanted = values[:, :, m]
             np.testing.assert_allclose(next(columns), wanted, rtol=0, atol=1e-9 * (1.0 + np.abs(wanted).max()))
         names.append(candidate.name)
         if candidate.name == "nowhere:hip":
-            assert not values.values.any()
+            assert not values.any()
     assert next(columns, None) is None
     assert {"hysteresis:hip", "motor_elasticity:knee", "time_delay:hip", "nowhere:hip", "payload:shank"} <= {*names}
 
