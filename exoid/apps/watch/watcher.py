@@ -10,7 +10,7 @@ the last two dozen, and the scores of the last quiet blocks.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 

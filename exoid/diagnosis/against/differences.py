@@ -18,8 +18,8 @@ import numpy as np
 
 from exoid.diagnosis.against.questions import Acting, Asked, questions
 from exoid.diagnosis.against.result import ChangeFound, Course, Differences
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.gain import Evidence, pooled_scale, robust_weight
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.hypotheses import Claim, nothing
@@ -30,6 +30,7 @@ from exoid.diagnosis.own_numbers.numbers import spread_of
 from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.question import own_effects
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.minimum import minimum
 from exoid.ground.ties import ascending, least_of
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -47,6 +48,8 @@ STRETCH = 2.0
 NONE: Mapping[str, Float] = MappingProxyType({})
 MOST = 3
 """Differences named at most."""
+PLACED = 1e-4
+"""Distance in m to which the place of a load is found."""
 
 
 def compare_against(
@@ -106,9 +109,8 @@ class BeforeAfter:
         self.before, self.after = self.all[: len(now.prepared.train)], self.all[len(now.prepared.train) :]
         self.questions = questions(now, extra)
         self.old: tuple[str, ...] = ()
-        known = {claim: claim for claim in self.fits.claims}
         self.claims: dict[str, Claim] = {}
-        own = {(claim.what, claim.place, claim.of): claim for claim in known}
+        own = {(claim.what, claim.place, claim.of): claim for claim in self.fits.claims}
         for item in self.questions:
             if item.claim is not None:
                 self.claims[item.name] = own[item.claim.what, item.claim.place, item.claim.of]
@@ -144,9 +146,9 @@ class BeforeAfter:
         if not changes or not self._pays(granted, lead := self._leading(state, changes)):
             if not granted:
                 errors = self._promising(state, self.questions, self.all)
-                once = total(fits.losses(state))
+                whole = total(fits.losses(state))
                 left = [(total(fits.losses((*state, *e.held))), e) for e in errors]
-                told = [e for loss, e in left if loss <= (1.0 - self.rules.worth_telling) * once]
+                told = [e for loss, e in left if loss <= (1.0 - self.rules.worth_telling) * whole]
                 self.old = tuple(e.asked.name for e in told[:1])
             return None
         least_share = self.rules.half * self._share(state, lead)
@@ -185,8 +187,19 @@ class BeforeAfter:
         """A change at the place that fits best where the fit is weighted for it."""
         if one.asked.claim is None:
             return one
-        self.fits.weigh((*rest, *one.held))
-        held = at_best_node(self.fits, rest, one.held[0])
+        fits, claim = self.fits, one.held[0].claim
+        fits.weigh((*rest, *one.held))
+        held = at_best_node(fits, rest, one.held[0])
+        if len(claim.nodes) > 1:  # an interval is that of the place which fits all of the recordings best
+            reach = claim.nodes[1] - claim.nodes[0]
+
+            def left(at: float) -> float:
+                whole = fits.sums((*rest, replace(held, node=at))).sum(axis=(0, 1))
+                both = np.append(-fits.solved(whole)[0], 1.0)
+                return float(both @ whole @ both)
+
+            at = minimum(left, max(held.node - reach, 0.5 * held.node), held.node + reach, PLACED)[0]
+            held = replace(held, node=at)
         return replace(one, held=(held,), node=np.array([held.node]))
 
     def _pays(self, granted: Sequence[_Change], lead: _Change) -> bool:
@@ -195,7 +208,8 @@ class BeforeAfter:
         level = rules.level if all(g.always for g in granted) else rules.strict_level
         once, then = self.fits.losses(state), self.fits.losses((*state, *lead.held))
         possible = bool(np.isfinite(self.fits.loss((*state, *lead.held))))
-        return possible and self._share(state, lead) >= self.rules.worth_telling and clearer(once, then) >= clear_among(len(self.questions), level, rules)
+        enough = possible and self._share(state, lead) >= rules.worth_telling
+        return enough and clearer(once, then) >= clear_among(len(self.questions), level, rules)
 
     def _share(self, state: State, one: _Change) -> float:
         """Part of the loss that a change explains."""
@@ -203,7 +217,7 @@ class BeforeAfter:
         return 1.0 - total(then) / max(total(once), 1e-300)
 
     def _promising(self, state: State, asked: Sequence[Asked], where: tuple[int, ...]) -> list[_Change]:
-        """Those of what is asked that explain at least a little where they act in the recordings `where`, best first."""
+        """What is asked and explains at least a little where it acts in the recordings `where`, best first."""
         fits, always = self.fits, where == self.all
         fits.weigh(state)
         found = []
