@@ -79,7 +79,8 @@ def compare_against(
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """What was `asked`, as it is `held` at its `node` (S,): after, or `always`; a load taken off is one held before.
+    """Change that was `asked` about, as it is `held` at its `node` (S,): after, or `always`. A load taken off is one that
+    is held before.
 
     `share` is the part of the loss that it explains, `alike` what these data cannot distinguish from it.
     """
@@ -130,14 +131,14 @@ class BeforeAfter:
                 break
             if found.always or self._exceeds_scatter(granted, found):
                 granted.append(found)
-                for k, one in enumerate(granted):
-                    granted[k] = self._placed(_state([g for g in granted if g is not one]), one)
+                for k, change in enumerate(granted):
+                    granted[k] = self._placed(_state([g for g in granted if g is not change]), change)
             else:
                 refused.add(found.asked.name)
         return self._written(granted, began)
 
     def _next(self, granted: Sequence[_Change], refused: set[str]) -> _Change | None:
-        """What leads of all that pays; of those that cannot be distinguished, one that is no change; None where nothing
+        """Leader of all that pays; of those that cannot be distinguished, one that is no change; None where nothing
         does.
         """
         fits, state = self.fits, _state(granted)
@@ -217,7 +218,7 @@ class BeforeAfter:
         return 1.0 - total(then) / max(total(once), 1e-300)
 
     def _promising(self, state: State, asked: Sequence[Asked], where: tuple[int, ...]) -> list[_Change]:
-        """What is asked and explains at least a little where it acts in the recordings `where`, best first."""
+        """Changes that explain at least a little where they act in the recordings `where`, best first."""
         fits, always = self.fits, where == self.all
         fits.weigh(state)
         found = []
@@ -235,12 +236,12 @@ class BeforeAfter:
                 least = least_of(held, lambda one: fits.loss((*state, one)), 1.0)
                 found.append(_Change(item, (least,), np.array([least.node]), always))
         once = fits.loss(state)
-        losses = [(fits.loss((*state, *one.held)), one) for one in found]
+        losses = [(fits.loss((*state, *change.held)), change) for change in found]
         useful = [pair for pair in losses if pair[0] <= (1.0 - self.rules.least_share) * once]
-        return [one for _, one in ascending(useful, lambda pair: pair[0], 1.0)]
+        return [change for _, change in ascending(useful, lambda pair: pair[0], 1.0)]
 
     def _evidence(self, state: State) -> Evidence:
-        """What is left beside a state, each recording in two halves, to weigh effects by."""
+        """Evidence of what is left beside a state, each recording in two halves, to weigh effects by."""
         fits = self.fits
         step = fits.fitted(state, np.ones((len(self.all), 2)))
         left = fits.left_by(state, [step, step])
@@ -259,8 +260,8 @@ class BeforeAfter:
         if item.name not in self.columns:
             joints = tuple(range(len(self.now.model.joints)))
             self.columns[item.name] = [
-                Columns(joints, item.columns(item.nodes, one, block.columns, self.now))
-                for one, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
+                Columns(joints, item.columns(item.nodes, recording, block.columns, self.now))
+                for recording, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
             ]
         whole = self.columns[item.name]
         acting = [c if k in where else Columns.absent(c.joints, c.values.shape) for k, c in enumerate(whole)]
@@ -269,8 +270,8 @@ class BeforeAfter:
     def _taken(self, item: Asked, node: Float, where: tuple[int, ...]) -> _Change:
         """An effect at a node, its columns among the claims."""
         own = [
-            item.columns(node[None], one, block.columns, self.now)[0]
-            for one, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
+            item.columns(node[None], recording, block.columns, self.now)[0]
+            for recording, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
         ]
         claims = [Claim("effect", item.name, unit, nothing, (low, high)) for unit, low, high in item.numbers.values()]
         self.fits.take(claims, own)

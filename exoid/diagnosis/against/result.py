@@ -43,8 +43,9 @@ class ChangeFound(AsJson):
 
     `before` and `after` are the same numbers before and after, `change` what they differ by, each with its 95 %
     interval (valid under autocorrelation). `look_alikes` explain these data as well. `share` is the part of the
-    squared error that it explains, held out; `p_value` that of placebos. Of a load, `place` is how far down its link it
-    is, which is looked for with the mass: the interval of either holds for any value of the other.
+    loss that it explains, held out; `p_value` how rarely chance does, among all that is asked. Of a load, `place` is
+    how far down its link it is, which is looked for with the mass: the interval of either holds for any value of the
+    other.
     """
 
     name: str
