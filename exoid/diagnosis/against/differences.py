@@ -79,8 +79,8 @@ def compare_against(
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """Change that was `asked` about, as it is `held` at its `node` (S,): after, or `always`. A load taken off is one that
-    is held before.
+    """Change that was `asked` about, as it is `held` at its `node` (S,): after, or `always`. A load taken off is one
+    that is held before.
 
     `share` is the part of the loss that it explains, `alike` what these data cannot distinguish from it.
     """
