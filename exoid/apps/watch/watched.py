@@ -28,7 +28,7 @@ class Watched:
 
     def _of(self, one: Asked, nodes: Float, window: Window, base: Float) -> Float:
         found = one.columns(nodes, window, base, self.now)
-        whole = np.concatenate(np.moveaxis(found, 3, 1))
+        whole = np.concatenate([np.moveaxis(found.full(v, len(base)), 2, 0) for v in range(len(nodes))])
         return whole if np.isfinite(whole).all() else np.zeros_like(whole)  # what has no value is never chosen
 
 

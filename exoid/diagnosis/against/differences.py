@@ -21,11 +21,13 @@ from exoid.diagnosis.against.result import ChangeFound, Course, Differences
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.gain import Evidence, pooled_scale, robust_weight
-from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.evidence.placebo import placebo
+from exoid.diagnosis.evidence.ranking import agreed
+from exoid.diagnosis.evidence.score import weigh
 from exoid.diagnosis.hypotheses import Claim, nothing
 from exoid.diagnosis.own_numbers.compared import clearer, total
 from exoid.diagnosis.own_numbers.fits import Fits
-from exoid.diagnosis.own_numbers.found import TRIED, at_best_node, clear_among
+from exoid.diagnosis.own_numbers.found import TRIED, at_best_node
 from exoid.diagnosis.own_numbers.numbers import spread_of
 from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.question import own_effects
@@ -119,7 +121,7 @@ class BeforeAfter:
                 claim = Claim("number", item.name, "", nothing, (-np.inf, np.inf))
                 self.fits.place[claim] = slice(item.column, item.column + 1)
                 self.claims[item.name] = claim
-        self.columns: dict[str, list[Columns]] = {}
+        self.columns: dict[tuple[str, int], Columns] = {}
 
     def run(self, began: float) -> Differences:
         """Grant what leads until nothing is left that is significant."""
@@ -144,7 +146,9 @@ class BeforeAfter:
         fits, state = self.fits, _state(granted)
         taken = {g.asked.name for g in granted} | refused
         changes = self._promising(state, [item for item in self.questions if item.name not in taken], self.after)
-        if not changes or not self._pays(granted, lead := self._leading(state, changes)):
+        lead = self._leading(state, changes) if changes else None
+        chance = None if lead is None else self._pays(granted, lead)
+        if lead is None or chance is None:
             if not granted:
                 errors = self._promising(state, self.questions, self.all)
                 whole = total(fits.losses(state))
@@ -167,12 +171,12 @@ class BeforeAfter:
                 alike[rival] = lag
         if old := [rival for rival in errors if rival in alike]:
             return old[0]
-        tied = [r for r, lag in alike.items() if lag < self.rules.tied and _many(r) < _many(lead)]
+        enough = self.rules.practically * self._share(state, lead)
+        simpler = [r for r in alike if _many(r) < _many(lead) and self._share(state, r) >= enough]
+        tied = [r for r in simpler if alike[r] < self.rules.tied]
         rest = [c for c in (lead, *alike) if c not in tied[:1]]
         lead = tied[0] if tied else lead
         names = tuple(c.asked.name for c in rest if c is not lead)
-        z = clearer(once, fits.losses((*state, *lead.held)))
-        chance = min(1.0, 0.5 * len(self.questions) * math.erfc(z / math.sqrt(2.0)))
         return replace(lead, alike=names, share=self._share(state, lead), p_value=chance)
 
     def _leading(self, state: State, changes: Sequence[_Change]) -> _Change:
@@ -203,14 +207,29 @@ class BeforeAfter:
             held = replace(held, node=at)
         return replace(one, held=(held,), node=np.array([held.node]))
 
-    def _pays(self, granted: Sequence[_Change], lead: _Change) -> bool:
-        """True if a change is clear. Most often one thing changes: a second one has to be clearer."""
-        state, rules = _state(granted), self.rules
+    def _pays(self, granted: Sequence[_Change], lead: _Change) -> float | None:
+        """How rarely chance explains as much, among all that is asked, as a change that pays; None of one that does
+        not. Most often one thing changes: a second one has to be clearer.
+        """
+        fits, state, rules = self.fits, _state(granted), self.rules
         level = rules.level if all(g.always for g in granted) else rules.strict_level
-        once, then = self.fits.losses(state), self.fits.losses((*state, *lead.held))
-        possible = bool(np.isfinite(self.fits.loss((*state, *lead.held))))
-        enough = possible and self._share(state, lead) >= rules.worth_telling
-        return enough and clearer(once, then) >= clear_among(len(self.questions), level, rules)
+        if self._share(state, lead) < rules.worth_telling or not np.isfinite(fits.loss((*state, *lead.held))):
+            return None
+        z = clearer(fits.losses(state), fits.losses((*state, *lead.held)))
+        chance = 0.5 * math.erfc(z / math.sqrt(2.0)) * len(self.questions)
+        if chance > level and lead.asked.candidate is not None:
+            chance = self._beyond_placebos(state, lead.asked, level)
+        return chance if chance <= level else None
+
+    def _beyond_placebos(self, state: State, asked: Asked, level: float) -> float:
+        """The same by placebos: what shows at few reversals is in too few blocks to be clear by how these scatter."""
+        assert asked.candidate is not None
+        many = len(self.questions)
+        evidence, columns = self._evidence(state, math.ceil(many / level)), self._columns(asked, self.after)
+        score = weigh(evidence, asked.candidate, columns)
+        if min(len(self.before), len(self.after)) > 1:  # else no split both fits and judges a part
+            score = agreed(evidence, [score], {asked.name: columns})[0]
+        return many * (placebo(evidence, score, columns).p_value or 1.0) if score.eligible else 1.0
 
     def _share(self, state: State, one: _Change) -> float:
         """Part of the loss that a change explains."""
@@ -223,7 +242,8 @@ class BeforeAfter:
         fits.weigh(state)
         found = []
         evidence = self._evidence(state)
-        scores = [(item, self._weighed(evidence, item, where)) for item in asked if item.candidate is not None]
+        effects = [(item, item.candidate) for item in asked if item.candidate is not None]
+        scores = [(item, weigh(evidence, candidate, self._columns(item, where))) for item, candidate in effects]
         best = ascending([(i, s) for i, s in scores if s.eligible], lambda pair: -pair[1].share, 1.0)[:TRIED]
         for item, score in best:
             found.append(self._taken(item, item.nodes[int(score.nodes[0])], where))
@@ -240,7 +260,7 @@ class BeforeAfter:
         useful = [pair for pair in losses if pair[0] <= (1.0 - self.rules.least_share) * once]
         return [change for _, change in ascending(useful, lambda pair: pair[0], 1.0)]
 
-    def _evidence(self, state: State) -> Evidence:
+    def _evidence(self, state: State, draws: int = 0) -> Evidence:
         """Evidence of what is left beside a state, each recording in two halves, to weigh effects by."""
         fits = self.fits
         step = fits.fitted(state, np.ones((len(self.all), 2)))
@@ -253,26 +273,24 @@ class BeforeAfter:
         ]
         prior = np.zeros(len(step))
         prior[: fits.count] = fits.prior
-        return Evidence(blocks, [], seed=self.seed, draws=0, prior=prior, rules=self.rules)
+        return Evidence(blocks, [], seed=self.seed, draws=draws, prior=prior, rules=self.rules)
 
-    def _weighed(self, evidence: Evidence, item: Asked, where: tuple[int, ...]) -> Score:
-        assert item.candidate is not None
-        if item.name not in self.columns:
-            joints = tuple(range(len(self.now.model.joints)))
-            self.columns[item.name] = [
-                Columns(joints, item.columns(item.nodes, recording, block.columns, self.now))
-                for recording, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
-            ]
-        whole = self.columns[item.name]
-        acting = [c if k in where else Columns.absent(c.joints, c.values.shape) for k, c in enumerate(whole)]
-        return weigh(evidence, item.candidate, acting)
+    def _columns(self, item: Asked, where: tuple[int, ...]) -> list[Columns]:
+        """Columns of an effect at its nodes on all recordings, of which it acts in `where`."""
+        for k in where:
+            if (item.name, k) not in self.columns:
+                self.columns[item.name, k] = self._columns_on(k, item, item.nodes)
+        some = self.columns[item.name, where[0]]
+        nodes, joints, _, width = some.values.shape
+        shapes = [(nodes, joints, block.residual.shape[1], width) for block in self.fits.blocks]
+        return [self.columns[item.name, k] if k in where else Columns.absent(some.joints, shapes[k]) for k in self.all]
+
+    def _columns_on(self, k: int, item: Asked, nodes: Float) -> Columns:
+        return item.columns(nodes, self.now.prepared.all[k], self.fits.blocks[k].columns, self.now)
 
     def _taken(self, item: Asked, node: Float, where: tuple[int, ...]) -> _Change:
         """An effect at a node, its columns among the claims."""
-        own = [
-            item.columns(node[None], recording, block.columns, self.now)[0]
-            for recording, block in zip(self.now.prepared.all, self.fits.blocks, strict=True)
-        ]
+        own = [self._columns_on(k, item, node[None]).full(0, len(self.now.model.joints)) for k in self.all]
         claims = [Claim("effect", item.name, unit, nothing, (low, high)) for unit, low, high in item.numbers.values()]
         self.fits.take(claims, own)
         return _Change(item, tuple(Claimed(claim, 0.0, (where,)) for claim in claims), node, where == self.all)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.hypotheses import Claim, Seen, claims_of
@@ -45,20 +46,18 @@ class Asked:
     claim: Claim | None = None
     column: int | None = None
 
-    def columns(self, nodes: Float, one: PreparedRecording, base: Float, fitted: FittedModel) -> Float:
-        """Return its columns (V, J, K, m) at `nodes` (V, S) on any recording, on which the model's are `base` (J, K,
-        P), as if it acted there.
+    def columns(self, nodes: Float, one: PreparedRecording, base: Float, fitted: FittedModel) -> Columns:
+        """Return its columns at `nodes` (V, S) on any recording, on which the model's are `base` (J, K, P), as if it
+        acted there.
         """
-        if self.column is not None:
-            return base[None, :, :, [self.column]]
-        if self.claim is not None:
-            own = base[:, :, : len(fitted.linear)]
-            seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged)
-            mixed = np.array([self.claim.mix(node) for node in nodes[:, 0]])
-            return np.moveaxis(self.claim.pieces(seen) @ mixed.T, 2, 0)[..., None]
-        assert self.candidate is not None
-        found = candidate_columns(self.candidate, nodes, one, fitted)
-        return np.array([found.full(v, len(base)) for v in range(len(nodes))])
+        if self.candidate is not None:
+            return candidate_columns(self.candidate, nodes, one, fitted)
+        if self.claim is None:
+            return Columns(tuple(range(len(base))), base[None, :, :, [self.column]])
+        own = base[:, :, : len(fitted.linear)]
+        seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged)
+        mixed = self.claim.pieces(seen) @ np.array([self.claim.mix(node) for node in nodes[:, 0]]).T
+        return Columns(tuple(range(len(base))), np.moveaxis(mixed, 2, 0)[..., None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +72,7 @@ class Acting:
 
     def columns(self, one: PreparedRecording, base: Float, fitted: FittedModel) -> Float:
         """Return its columns (J, K, m) on a window, on which the model's are `base` (J, K, P)."""
-        return self.asked.columns(self.nodes, one, base, fitted)[0]
+        return self.asked.columns(self.nodes, one, base, fitted).full(0, len(base))
 
     def torque(self, one: PreparedRecording, base: Float, fitted: FittedModel) -> Float:
         """Return the torque (J, K) that it adds."""

@@ -36,6 +36,7 @@ class Fits:
         self.parts = parts_of(self.blocks, cuts)
         self.count = self.blocks[0].columns.shape[2]
         self.prior, self.linear = evidence.prior, now.linear
+        self.torques = [now.torque(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, state_columns(now))
         pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
         ends = self.count + np.cumsum([0, *(item.shape[2] for item in pieces[0])])
@@ -78,7 +79,7 @@ class Fits:
 
     def _seen(self, k: int) -> Seen:
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
-        torque = now.torque(k) + columns @ (self.linear - now.linear)
+        torque = self.torques[k] + columns @ (self.linear - now.linear)
         recording = now.prepared.all[k]
         return Seen(now.model, self.linear, columns, torque, recording.t, recording.logged)
 

@@ -68,11 +68,6 @@ def at_best_node(fits: Fits, rest: State, held: Claimed) -> Claimed:
     return best
 
 
-def clear_among(questions: int, level: float, rules: Rules) -> float:
-    """Return the standard errors by which one of so many claims is better, by chance as rarely as `level`."""
-    return max(rules.clear, NormalDist().inv_cdf(1.0 - level / questions))
-
-
 class _Search:
     """The search among the claims of some fits."""
 
@@ -81,7 +76,8 @@ class _Search:
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
         questions = sum(1 if claim.everyone or claim.common else self.many for claim in fits.claims)
-        self.clear = clear_among(questions, self.rules.strict_level, self.rules)
+        self.clear = max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / questions))
+        """Standard errors by which one of so many claims is better, not by chance."""
 
     def found(self, state: State) -> State:
         """The claims that hold, of those that are held already and others."""

@@ -411,13 +411,13 @@ def test_columns_that_are_watched_are_those_that_are_asked_about(terms: tuple[st
     names = []
     for candidate in asked:
         middle = round(0.5 * (len(candidate.nodes) - 1))
-        values = candidate.columns(candidate.nodes[[middle]], one, block.columns, now)[0]
-        for m in range(values.shape[2]):
-            wanted = values[:, :, m]
+        values = candidate.columns(candidate.nodes[[middle]], one, block.columns, now)
+        for m in range(values.values.shape[3]):
+            wanted = values.full(0)[:, :, m]
             np.testing.assert_allclose(next(columns), wanted, rtol=0, atol=1e-9 * (1.0 + np.abs(wanted).max()))
         names.append(candidate.name)
         if candidate.name == "nowhere:hip":
-            assert not values.any()
+            assert not values.values.any()
     assert next(columns, None) is None
     assert {"hysteresis:hip", "motor_elasticity:knee", "time_delay:hip", "nowhere:hip", "payload:shank"} <= {*names}
 
