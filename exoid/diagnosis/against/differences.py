@@ -110,17 +110,11 @@ class BeforeAfter:
         self.fits = Fits(now, rules, {})
         self.all = tuple(range(len(now.prepared.all)))
         self.before, self.after = self.all[: len(now.prepared.train)], self.all[len(now.prepared.train) :]
-        self.questions = questions(now, extra)
-        self.old: tuple[str, ...] = ()
-        self.claims: dict[str, Claim] = {}
-        own = {(claim.what, claim.place, claim.of): claim for claim in self.fits.claims}
+        self.questions = questions(now, extra, self.fits.claims)
         for item in self.questions:
-            if item.claim is not None:
-                self.claims[item.name] = own[item.claim.what, item.claim.place, item.claim.of]
-            elif item.column is not None:
-                claim = Claim("number", item.name, "", nothing, (-np.inf, np.inf))
-                self.fits.place[claim] = slice(item.column, item.column + 1)
-                self.claims[item.name] = claim
+            if item.claim is not None and item.column is not None:
+                self.fits.place[item.claim] = slice(item.column, item.column + 1)
+        self.old: tuple[str, ...] = ()
         self.columns: dict[tuple[str, int], Columns] = {}
 
     def run(self, began: float) -> Differences:
@@ -171,9 +165,7 @@ class BeforeAfter:
                 alike[rival] = lag
         if old := [rival for rival in errors if rival in alike]:
             return old[0]
-        enough = self.rules.practically * self._share(state, lead)
-        simpler = [r for r in alike if _many(r) < _many(lead) and self._share(state, r) >= enough]
-        tied = [r for r in simpler if alike[r] < self.rules.tied]
+        tied = [r for r, lag in alike.items() if lag < self.rules.tied and _many(r) < _many(lead)]
         rest = [c for c in (lead, *alike) if c not in tied[:1]]
         lead = tied[0] if tied else lead
         names = tuple(c.asked.name for c in rest if c is not lead)
@@ -249,8 +241,7 @@ class BeforeAfter:
             found.append(self._taken(item, item.nodes[int(score.nodes[0])], where))
         fits.weigh(state)
         for item in asked:
-            if item.candidate is None and not (always and item.column is not None):
-                claim = self.claims[item.name]
+            if (claim := item.claim) is not None and not (always and item.column is not None):
                 groups = (where, self.before) if claim.shared and not always else (where,)
                 held = [at_best_node(fits, state, Claimed(claim, claim.nodes[0], (group,))) for group in groups]
                 least = least_of(held, lambda one: fits.loss((*state, one)), 1.0)
@@ -376,7 +367,7 @@ class BeforeAfter:
             if asked.column is not None:
                 before = unit[[asked.column]]
                 start += np.concatenate([self.now.linear, self.now.shape])[asked.column]
-            start += claim.usual
+            start += claim.usual if asked.kind == "number" else 0.0  # of an effect, its number says what it adds
         amount = change @ step
         if asked.candidate is not None and asked.candidate.change:  # a whole change at its value: a share of that
             before, change = (rows * one.node[0] for rows in (before, change))

@@ -4,7 +4,7 @@ belong to recordings (`exoid.diagnosis.hypotheses`): a load, a zero, a gain, a l
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,21 +13,21 @@ from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.library import build_library
-from exoid.diagnosis.hypotheses import Claim, Seen, claims_of
+from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.language.torque import torques
 from exoid.symbolic.motion import Float
 from exoid.symbolic.term import Term
 
+ANY = (-np.inf, np.inf)
 TOLD = {
     "carried_load": ("payload", "load", "mass"),
     "friction_level": ("friction_level", "number", "level"),
     "sensor_zero": ("torque_offset", "sensor", "c"),
     "torque_gain": ("drive_gain", "effect", "c"),
 }
-"""{hypothesis: the name, the kind and the number under which a difference is told}; effects of that name are the same.
-"""
+"""{hypothesis: the name, the kind and the number under which it is told}; effects of that name are the same."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Asked:
     """Something that may change, by its `name`; `kind` is "number", "load", "sensor" or "effect".
 
     `numbers` {name: (unit, lowest, highest)} are its own, `nodes` (V, S) the values of its shape or place. It is a
-    `candidate` of the catalogue, a `claim` that recordings may have, or the model's number of that `column`.
+    `candidate` of the catalogue, or a `claim` that recordings may have; of a number of the model, that is its `column`.
     """
 
     name: str
@@ -52,8 +52,9 @@ class Asked:
         """
         if self.candidate is not None:
             return candidate_columns(self.candidate, nodes, one, fitted)
-        if self.claim is None:
+        if self.column is not None:
             return Columns(tuple(range(len(base))), base[None, :, :, [self.column]])
+        assert self.claim is not None
         own = base[:, :, : len(fitted.linear)]
         seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged)
         mixed = self.claim.pieces(seen) @ np.array([self.claim.mix(node) for node in nodes[:, 0]]).T
@@ -83,20 +84,21 @@ class Acting:
         return replace(self, size=size)
 
 
-def questions(fitted: FittedModel, extra: Iterable[Effect] = ()) -> tuple[Asked, ...]:
-    """Return all that may change on the recordings of `fitted`.
+def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequence[Claim] = ()) -> tuple[Asked, ...]:
+    """Return all that may change on the recordings of `fitted`; `claims` are those about recordings, where they are
+    made already.
 
     Effects that drift with the time of a recording are left out: how a change came about is asked of its course. What
     is dry or viscous of a friction level is a number of the model.
     """
     model = fitted.model
-    claims = [claim for claim in claims_of(model) if not (claim.common or claim.of)]
-    found = [_claimed(claim) for claim in claims]
+    found = [_claimed(claim) for claim in claims or claims_of(model) if not (claim.common or claim.of)]
     names = [*((p.name, p.unit) for p in model.parameters), *((s.name, s.shape.unit) for s in model.shapes)]
     choices = [False] * len(model.parameters) + [bool(s.shape.choices) for s in model.shapes]
     for k, (name, unit) in enumerate(names):
         if not choices[k]:
-            found.append(Asked(name, "number", {name: (unit, -np.inf, np.inf)}, np.zeros((1, 1)), column=k))
+            claim = Claim("number", name, unit, nothing, ANY)
+            found.append(Asked(name, "number", {name: (unit, *ANY)}, np.zeros((1, 1)), claim=claim, column=k))
     taken = {item.name for item in found}
     for own in build_library(model, fitted.prepared.all, extra).candidates:
         if own.name not in taken and not _tells_time(own.term):
@@ -107,9 +109,9 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = ()) -> tuple[Asked,
 
 
 def _claimed(claim: Claim) -> Asked:
-    what, kind, number = TOLD[claim.what]
-    numbers = {number: (claim.unit, *claim.bounds)}
-    return Asked(f"{what}:{claim.place}", kind, numbers, np.array(claim.nodes)[:, None], claim=claim)
+    what, kind, number = TOLD.get(claim.what, (claim.what, "number", "size"))
+    nodes = np.array(claim.nodes)[:, None]
+    return Asked(f"{what}:{claim.place}", kind, {number: (claim.unit, *claim.bounds)}, nodes, claim=claim)
 
 
 def _numbers(candidate: Candidate) -> dict[str, tuple[str, float, float]]:
@@ -119,7 +121,7 @@ def _numbers(candidate: Candidate) -> dict[str, tuple[str, float, float]]:
         bounds = {n: (-np.inf if e.min is None else e.min, np.inf if e.max is None else e.max) for n, e in entries}
         return {name: (term.unit(entry.unit), *bounds[name]) for name, entry in entries}
     name, shape = next(iter(term.placed_shape.items()))
-    return {name: (term.unit(shape.unit), -np.inf, np.inf)}
+    return {name: (term.unit(shape.unit), *ANY)}
 
 
 def _tells_time(term: Term) -> bool:
