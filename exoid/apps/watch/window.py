@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -44,18 +45,28 @@ class Window(PreparedRecording):
         """
         shape = [1] * (x.ndim - 1) + [x.shape[-1]]
         shape[axis] = len(joints)
-        smooth = weighted(x, self.weights.T[list(joints)].reshape(shape), self.common)[..., self.kept]
+        weights, totals = (each[list(joints)].reshape(shape) for each in (self.weights.T, self._totals))
+        smooth = weighted(x, weights, totals, self.common)[..., self.kept]
         if out is None:
             return smooth
         out[:] = smooth
         return out
 
+    @cached_property
+    def _totals(self) -> Float:
+        return filtered(self.weights.T, self.common)
 
-def weighted(x: Float, weights: Float, common: float) -> Float:
-    """Return the weighted mean over the past of `x` (..., N); zero where nothing of the past could be used."""
-    done, _ = poles(x * weights, common, np.zeros((COMMON_ORDER, *x.shape[:-1])))
-    total, _ = poles(weights, common, np.zeros((COMMON_ORDER, *weights.shape[:-1])))
-    return np.where(total > 1e-6, done / np.maximum(total, 1e-6), 0.0)
+
+def filtered(x: Float, common: float) -> Float:
+    """Return `x` (..., N) after the filter that is common to all channels."""
+    return poles(x, common, np.zeros((COMMON_ORDER, *x.shape[:-1])))[0]
+
+
+def weighted(x: Float, weights: Float, totals: Float, common: float) -> Float:
+    """Return the mean over the past of `x` (..., N), weighted; zero where nothing of the past could be used. `totals`
+    are the filtered weights.
+    """
+    return np.where(totals > 1e-6, filtered(x * weights, common) / np.maximum(totals, 1e-6), 0.0)
 
 
 def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
@@ -63,13 +74,13 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
     joints = samples.q.shape[1]
     force = samples.force if samples.force.shape[1] else None
     motion = Motion(samples.t, samples.q, samples.dq, samples.ddq, np.tanh(samples.dq / SIGN_WIDTH), force=force)
-    total, _ = poles(samples.good.T, filters.common, np.zeros((COMMON_ORDER, joints)))
+    total = filtered(samples.good.T, filters.common)
     kept = np.arange(lead, len(samples), filters.stride)
     idle = np.zeros(joints, dtype=bool)
     return Window(
         name=name,
         motion=motion,
-        torque=weighted(samples.tau.T, samples.good.T, filters.common)[:, kept],
+        torque=weighted(samples.tau.T, samples.good.T, total, filters.common)[:, kept],
         used=total[:, kept] > LEAST_WEIGHT,
         kept=kept,
         cutoff=filters.cutoff,

@@ -144,7 +144,8 @@ class BeforeAfter:
         chance = None if lead is None else self._pays(granted, lead)
         if lead is None or chance is None:
             if not granted:
-                errors = self._promising(state, self.questions, self.all)
+                some = [item for item in self.questions if item.candidate is None or item.name in self.helpful]
+                errors = self._promising(state, some, self.all)
                 whole = total(fits.losses(state))
                 left = [(total(fits.losses((*state, *e.held))), e) for e in errors]
                 told = [e for loss, e in left if loss <= (1.0 - self.rules.worth_telling) * whole]
@@ -236,6 +237,7 @@ class BeforeAfter:
         evidence = self._evidence(state)
         effects = [(item, item.candidate) for item in asked if item.candidate is not None]
         scores = [(item, weigh(evidence, candidate, self._columns(item, where))) for item, candidate in effects]
+        self.helpful = {item.name for item, score in scores if score.share >= self.rules.least_share}
         best = ascending([(i, s) for i, s in scores if s.eligible], lambda pair: -pair[1].share, 1.0)[:TRIED]
         for item, score in best:
             found.append(self._taken(item, item.nodes[int(score.nodes[0])], where))
