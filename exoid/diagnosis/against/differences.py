@@ -206,9 +206,11 @@ class BeforeAfter:
         """
         fits, state, rules = self.fits, _state(granted), self.rules
         level = rules.level if all(g.always for g in granted) else rules.strict_level
-        if self._share(state, lead) < rules.worth_telling or not np.isfinite(fits.loss((*state, *lead.held))):
+        once, then = fits.losses(state), fits.losses((*state, *lead.held))
+        enough = total(once) - total(then) >= rules.worth_telling * total(once[len(self.before) :])
+        if not enough or not np.isfinite(fits.loss((*state, *lead.held))):
             return None
-        z = clearer(fits.losses(state), fits.losses((*state, *lead.held)))
+        z = clearer(once, then)
         chance = 0.5 * math.erfc(z / math.sqrt(2.0)) * len(self.questions)
         if chance > level and lead.asked.candidate is not None:
             chance = self._beyond_placebos(state, lead.asked, level)
