@@ -10,7 +10,7 @@ the last two dozen, and the scores of the last quiet blocks.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -374,7 +374,8 @@ class Watcher:
         usual = self.memory.usual[: self.settings.learn // TOGETHER * 2 // 3]
         question = asked_of(self.reference.now, [*usual, *joined_windows(recent, TOGETHER)], after)
         known = already([c for c in (*self.lasting, *self.applied) if c is not but])
-        return differences_of(question, self.settings.seed, self.extra, self.rules, most, known)
+        rules = replace(self.rules, placebos=self.settings.draws)
+        return differences_of(question, self.settings.seed, self.extra, rules, most, known)
 
     def _refine(self, change: Applied) -> list[Event]:
         """Name a change once more, now that it has lasted."""

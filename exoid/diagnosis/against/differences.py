@@ -50,8 +50,6 @@ STRETCH = 2.0
 NONE: Mapping[str, Float] = MappingProxyType({})
 MOST = 3
 """Differences named at most."""
-PLACED = 1e-4
-"""Distance in m to which the place of a load is found."""
 
 
 def compare_against(
@@ -202,25 +200,25 @@ class BeforeAfter:
 
     def _pays(self, granted: Sequence[_Change], lead: _Change) -> float | None:
         """How rarely chance explains as much, among all that is asked, as a change that pays; None of one that does
-        not. Most often one thing changes: a second one has to be clearer.
+        not. Most often one thing changes: a second one has to be clearer, in its blocks.
         """
         fits, state, rules = self.fits, _state(granted), self.rules
-        level = rules.level if all(g.always for g in granted) else rules.strict_level
+        first = all(g.always for g in granted)
         once, then = fits.losses(state), fits.losses((*state, *lead.held))
         enough = total(once) - total(then) >= rules.worth_telling * total(once[len(self.before) :])
         if not enough or not np.isfinite(fits.loss((*state, *lead.held))):
             return None
-        z = clearer(once, then)
-        chance = 0.5 * math.erfc(z / math.sqrt(2.0)) * len(self.questions)
-        if chance > level and lead.asked.candidate is not None:
-            chance = self._beyond_placebos(state, lead.asked, level)
+        level = rules.level if first else rules.strict_level
+        chance = 0.5 * math.erfc(clearer(once, then) / math.sqrt(2.0)) * len(self.questions)
+        if chance > level and first and lead.asked.candidate is not None:
+            chance = self._beyond_placebos(state, lead.asked)
         return chance if chance <= level else None
 
-    def _beyond_placebos(self, state: State, asked: Asked, level: float) -> float:
+    def _beyond_placebos(self, state: State, asked: Asked) -> float:
         """The same by placebos: what shows at few reversals is in too few blocks to be clear by how these scatter."""
         assert asked.candidate is not None
-        many = len(self.questions)
-        evidence, columns = self._evidence(state, math.ceil(many / level)), self._columns(asked, self.after)
+        many, columns = len(self.questions), self._columns(asked, self.after)
+        evidence = self._evidence(state, max(self.rules.placebos, math.ceil(many / self.rules.level)))
         score = weigh(evidence, asked.candidate, columns)
         if min(len(self.before), len(self.after)) > 1:  # else no split both fits and judges a part
             score = agreed(evidence, [score], {asked.name: columns})[0]
@@ -414,7 +412,9 @@ def _state(granted: Sequence[_Change]) -> State:
 
 
 def _many(one: _Change) -> int:
-    return len(one.held) + (one.asked.nodes.shape[1] if len(one.asked.nodes) > 1 else 0)
+    """Numbers that tell a change; a factor, which moves several numbers of the model together, is plainer than two."""
+    factor = one.held[0].claim.factor
+    return len(one.held) + factor + (one.asked.nodes.shape[1] if len(one.asked.nodes) > 1 else 0)
 
 
 def _turned(one: _Change, after: tuple[int, ...]) -> float:
