@@ -50,6 +50,8 @@ STRETCH = 2.0
 NONE: Mapping[str, Float] = MappingProxyType({})
 MOST = 3
 """Differences named at most."""
+PLACED = 1e-4
+"""Distance in m to which the place of a load is found."""
 
 
 def compare_against(
