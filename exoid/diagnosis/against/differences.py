@@ -115,6 +115,7 @@ class BeforeAfter:
             if item.claim is not None and item.column is not None:
                 self.fits.place[item.claim] = slice(item.column, item.column + 1)
         self.old: tuple[str, ...] = ()
+        self.helpful = set[str]()
         self.columns: dict[tuple[str, int], Columns] = {}
 
     def run(self, began: float) -> Differences:
@@ -201,8 +202,8 @@ class BeforeAfter:
         return replace(one, held=(held,), node=np.array([held.node]))
 
     def _pays(self, granted: Sequence[_Change], lead: _Change) -> float | None:
-        """How rarely chance explains as much, among all that is asked, as a change that pays; None of one that does
-        not. Most often one thing changes: a second one has to be clearer, in its blocks.
+        """Chance, among all that is asked, of explaining as much as a change that pays; None of one that does not.
+        Most often one thing changes: a second one has to be clearer, in its blocks.
         """
         fits, state, rules = self.fits, _state(granted), self.rules
         first = all(g.always for g in granted)
