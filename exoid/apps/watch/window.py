@@ -46,7 +46,7 @@ class Window(PreparedRecording):
         shape = [1] * (x.ndim - 1) + [x.shape[-1]]
         shape[axis] = len(joints)
         weights, totals = (each[list(joints)].reshape(shape) for each in (self.weights.T, self._totals))
-        smooth = weighted(x, weights, totals, self.common)[..., self.kept]
+        smooth = weighted(x, weights, self.common, totals)[..., self.kept]
         if out is None:
             return smooth
         out[:] = smooth
@@ -62,10 +62,11 @@ def filtered(x: Float, common: float) -> Float:
     return poles(x, common, np.zeros((COMMON_ORDER, *x.shape[:-1])))[0]
 
 
-def weighted(x: Float, weights: Float, totals: Float, common: float) -> Float:
-    """Return the mean over the past of `x` (..., N), weighted; zero where nothing of the past could be used. `totals`
-    are the filtered weights.
+def weighted(x: Float, weights: Float, common: float, totals: Float | None = None) -> Float:
+    """Return the weighted mean over the past of `x` (..., N); zero where nothing of the past could be used. `totals`
+    are the filtered weights, where they are known.
     """
+    totals = filtered(weights, common) if totals is None else totals
     return np.where(totals > 1e-6, filtered(x * weights, common) / np.maximum(totals, 1e-6), 0.0)
 
 
@@ -80,7 +81,7 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
     return Window(
         name=name,
         motion=motion,
-        torque=weighted(samples.tau.T, samples.good.T, total, filters.common)[:, kept],
+        torque=weighted(samples.tau.T, samples.good.T, filters.common, total)[:, kept],
         used=total[:, kept] > LEAST_WEIGHT,
         kept=kept,
         cutoff=filters.cutoff,
