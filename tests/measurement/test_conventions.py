@@ -322,7 +322,7 @@ def _readings(monkeypatch, left, hip=1.0):
     one = Smooth(q, q, q, q * [hip, 1.0], 0.01, slice(None))
     monkeypatch.setattr(convention, "smoothed_groups", lambda recordings, weighs, *more: [[one]])
     monkeypatch.setattr(convention, "_stands", lambda sets: 0.5)
-    monkeypatch.setattr(convention, "stages", lambda now, turning, joints, still: [lambda best: kinds])
+    monkeypatch.setattr(convention, "stages", lambda now, turning, joints, still, several: [lambda best: kinds])
     found = {kind.names: value for kind, value in zip(kinds, left.values(), strict=True)}
     monkeypatch.setattr(convention, "power_left", lambda sets, kinds, most: np.array([found[k.names] for k in kinds]))
 

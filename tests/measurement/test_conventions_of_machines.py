@@ -94,16 +94,22 @@ def test_a_convention_of_any_machine_is_named_and_the_option_puts_it_right(joint
 @pytest.mark.parametrize("times", ["1:0:1:1", "0:1:1:1"])
 def test_torques_that_are_sums_of_two_drives_are_told_and_put_right(joints, times):
     """As of a differential, or where a driver's map is wrong; one drive stands on the base and rubs there."""
-    run = moved(joints)
-    shank = np.gradient(run.q.sum(axis=1), run.t)
-    rubs = 0.3 * run.tau.std() * np.tanh(shank / 0.05) + 0.1 * run.tau.std() * shank
-    run = replace(run, tau=run.tau + rubs[:, None])
+    whole = moved(joints)
+    shank = np.gradient(whole.q.sum(axis=1), whole.t)
+    rubs = 0.3 * whole.tau.std() * np.tanh(shank / 0.05) + 0.1 * whole.tau.std() * shank
+    whole = replace(whole, tau=whole.tau + rubs[:, None])
+    halves = slice(0, 600), slice(600, None)
+    runs = [Recording(f"run {k}", whole.t[k], whole.q[k], whole.tau[k], joints=joints) for k in halves]
     name = f"torque-sums={times}"
-    (finding,) = check_conventions([kept(run, name)])
+    wrong = [kept(run, name) for run in runs]
+    (finding,) = check_conventions(wrong)
     assert finding.remedy == f"if so, give --convention {name}" and "tau1" in finding.what
-    right = read_as(kept(run, name), name)
-    np.testing.assert_allclose(right.tau, run.tau, atol=1e-9)
-    assert not [item for item in check_conventions([right]) if name in item.remedy]
+    right = [read_as(run, name) for run in wrong]
+    np.testing.assert_allclose(right[0].tau, runs[0].tau, atol=1e-9)
+    assert not [item for item in check_conventions(right) if name in item.remedy]
+    assert not [item for item in check_conventions(wrong[:1]) if "torque-sums" in item.remedy]
+    (same,) = check_conventions(wrong[1:], likely=[name])
+    assert same.remedy == finding.remedy
 
 
 def test_sums_that_no_torques_are_found_from_again_are_refused():

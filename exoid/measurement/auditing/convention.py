@@ -98,7 +98,7 @@ def check_conventions(
     which little moves fits many machines: what it says alone must not make the fit of all together worse.
     `weighs` says whether the machine moves under gravity, of one in space under which (3,), in m/s², `forces` what its
     measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly, `likely`
-    options that others of it should be given: in space, where asking takes long, they are tried before all readings.
+    options that others of it should be given: they are tried before all readings.
     """
     if not all(map(_known, recordings)):
         return ()
@@ -273,7 +273,7 @@ def better_reading(
     enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
     # Beyond, it would be doubted itself. In space one name of two may leave so little, and both far less.
     settled = min(enough, SLIGHT_GAIN) / (TIMES if is_spatial(joints) else 1.0)
-    if likely and is_spatial(joints):
+    if likely:
         known = [hypothesis(option.split(","), joints) for option in likely]
         shares = power_left(sets, known)
         first = index_of_least(shares, 1.0)
@@ -282,7 +282,7 @@ def better_reading(
     kinds: list[ConventionHypothesis] = []
     left, quiet = np.zeros(0), quiet_torques(sets)
     still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)
-    for stage in stages(now, turning_joints(sets), joints, still):
+    for stage in stages(now, turning_joints(sets), joints, still, several=len(recordings) > 1):
         more = [item for item in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(item, quiet)]
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])

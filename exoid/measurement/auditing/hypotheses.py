@@ -70,11 +70,13 @@ Stage = Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis
 """What is tried next, given the best readings so far."""
 
 
-def stages(now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, still: bool = True) -> Iterator[Stage]:
+def stages(
+    now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, still: bool = True, several: bool = False
+) -> Iterator[Stage]:
     """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
     they stand leave very much (`now`), degrees and all combinations too. Of many joints there are too many readings:
     the best of one name are given a second one, and so on, only then. On a base that is not `still` the machine
-    mirrored is another one.
+    mirrored is another one. Sums of torques are asked of `several` recordings only: some fit any single one.
     """
     if is_spatial(joints):
         yield from _stages_in_space(now, turning, joints)
@@ -89,7 +91,7 @@ def stages(now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, 
     if now > WRONG and not all_tried:
         for _ in range(MOST - FEW):
             yield lambda best: _extended(best, joints, still)
-    if now > WRONG and len(joints) == FEW_JOINTS:
+    if now > WRONG and several and len(joints) == FEW_JOINTS:
         yield lambda best: _of_two_drives(joints, still)
 
 
