@@ -103,7 +103,7 @@ def unseen(one: Extension, prepared: Prepared, scale: np.ndarray) -> np.ndarray:
 
 
 def steps_of(path: Sequence[Extension], prepared: Prepared) -> Steps:
-    """Return what the rules look at. Samples resemble their neighbours as they do in what the last model leaves."""
+    """Return the numbers by which the rules choose; samples are as alike as in what the last model leaves."""
     use = np.concatenate([item.used for item in prepared.all], axis=1)
     left = [np.concatenate(one.fitted.residuals, axis=1) for one in path]
     squares = np.array([[np.mean(np.square(row[seen])) for row, seen in zip(each, use, strict=True)] for each in left])
@@ -116,7 +116,7 @@ def steps_of(path: Sequence[Extension], prepared: Prepared) -> Steps:
 
 
 def judged(case: Case) -> tuple[dict[str, int], bool, int]:
-    """Return how many effects each rule lets stand, whether `discover` names the hidden ones, and how many it names."""
+    """Return the number of effects by each rule, whether `discover` names the hidden ones, and how many it names."""
     rng = np.random.default_rng(case.number)
     model, leg = subject(case, rng)
     hidden, runs = simulated(case, model, leg, rng)

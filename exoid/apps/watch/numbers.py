@@ -16,7 +16,7 @@ from exoid.apps.watch.alarm import SPANS
 from exoid.apps.watch.course import Onset
 from exoid.apps.watch.recursive.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from exoid.apps.watch.window import Window, column_errors
-from exoid.diagnosis.against.questions import Acting
+from exoid.diagnosis.against.questions import LEVEL, LOAD, Acting
 from exoid.diagnosis.against.result import ChangeFound
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.symbolic.motion import Float
@@ -76,8 +76,8 @@ class FollowedNumbers:
         """Forget the numbers that a change can be, look-alikes included; follow what is none of the model's."""
         names, inertial = self.estimator.names, len(self.now.model.inertial)
         labels = {one.name, *one.look_alikes}
-        load = any(label.startswith("payload:") for label in labels)
-        level = (label.partition(":")[2] for label in tuple(labels) if label.startswith("friction_level:"))
+        load = any(label.startswith(f"{LOAD}:") for label in labels)
+        level = (label.partition(":")[2] for label in tuple(labels) if label.startswith(f"{LEVEL}:"))
         labels |= {f"{part}:{joint}" for joint in level for part in ("coulomb", "viscous")}
         self.estimator.forget([k for k, name in enumerate(names) if name in labels or (load and k < inertial)])
         if one.kind not in ("number", "load") and one.acting is not None:

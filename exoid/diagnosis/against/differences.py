@@ -259,7 +259,7 @@ class BeforeAfter:
     def _evidence(self, state: State, draws: int = 0) -> Evidence:
         """Evidence of what is left beside a state, each recording in two halves, to weigh effects by."""
         fits = self.fits
-        step = fits.fitted(state, np.ones((len(self.all), 2)))
+        step = fits.together(state)
         left = fits.left_by(state, [step, step])
         blocks = [
             replace(
@@ -297,7 +297,7 @@ class BeforeAfter:
         """
         fits, state = self.fits, (*_state([g for g in granted if g is not one]), *one.held)
         fits.weigh(state)
-        step = fits.fitted(state, np.ones((len(self.all), 2)))
+        step = fits.together(state)
         left, size = fits.left_by(state, [step, step]), step[-len(one.held) :]
         sigma = pooled_scale(list(zip(left, fits.use, strict=True)))
         out = []
@@ -333,7 +333,7 @@ class BeforeAfter:
     def _written(self, granted: Sequence[_Change], began: float) -> Differences:
         prepared, state, many = self.now.prepared, _state(granted), len(self.before)
         self.fits.weigh(state)
-        step = self.fits.fitted(state, np.ones((len(self.all), 2)))
+        step = self.fits.together(state)
         old, left = self.now.residuals, self.fits.left_by(state, [step, step])
         return Differences(
             found=tuple(self._difference(g, granted) for g in granted if not g.always),
@@ -358,7 +358,7 @@ class BeforeAfter:
             own = tuple(replace(h, groups=(self.before, self.after)) for h in own)
         state = (*_state([g for g in granted if g is not one]), *own)
         fits.weigh(state)
-        step = fits.fitted(state, np.ones((len(self.all), 2)))
+        step = fits.together(state)
         spread = spread_of(fits, state, step)
         step = np.append(step, np.zeros(len(spread.matrix) - len(step)))
         unit = np.eye(len(step))

@@ -21,9 +21,10 @@ from exoid.symbolic.motion import Float
 from exoid.symbolic.term import Term
 
 ANY = (-np.inf, np.inf)
+LOAD, LEVEL = "payload", "friction_level"
 TOLD = {
-    "carried_load": ("payload", "load", "mass"),
-    "friction_level": ("friction_level", "number", "level"),
+    "carried_load": (LOAD, "load", "mass"),
+    "friction_level": (LEVEL, "number", "level"),
     "sensor_zero": ("torque_offset", "sensor", "c"),
     "torque_gain": ("drive_gain", "effect", "c"),
 }

@@ -25,7 +25,7 @@ def changes_of(fits: Fits, state: State) -> Cuts:
     every, known = tuple(range(len(fits.rows))), [held.claim for held in state]
     zeros = [claim for claim in fits.claims if claim.everyone and claim not in known]
     state = (*state, *(Claimed(claim, claim.nodes[0], (every,)) for claim in zeros))
-    step = fits.fitted(state, np.ones((len(fits.rows), 2)))
+    step = fits.together(state)
     own = np.concatenate([np.r_[fits.place[claim]] for claim in fits.claims if not claim.common])
     found: Cuts = {}
     for k, (rows, left) in enumerate(zip(fits.rows, fits.left_by(state, [step, step]), strict=True)):
@@ -54,7 +54,7 @@ def _left(gram: Float) -> float:
 
 def sharpened(fits: Fits, state: State) -> Cuts:
     """Cuts of those recordings whose parts differ in what is held, at the sample that fits best."""
-    step = fits.fitted(state, np.ones((len(fits.rows), 2)))
+    step = fits.together(state)
     own = fits.chosen(state) @ np.append(-step, 1.0)
     found: Cuts = {}
     for k, parts in enumerate(fits.everyone):

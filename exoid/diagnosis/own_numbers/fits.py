@@ -130,7 +130,7 @@ class Fits:
                 out.append([np.tensordot(a, b, ((0, 1), (0, 1))) for a, b in parts])
             self.grams = np.array(out)
             if state:
-                step = self.fitted(state, np.ones((len(self.rows), 2)))
+                step = self.together(state)
                 self._place_factors(self.now.linear + step[: len(self.linear)])
                 left = self.left_by(state, [step] * 2)
         return self.grams
@@ -143,6 +143,10 @@ class Fits:
     def fitted(self, state: State, which: Float) -> Float:
         """Numbers (Q,) of model and state fitted to the halves that are one in `which` (R, 2)."""
         return self.solved(np.tensordot(which, self.sums(state), ((0, 1), (0, 1))))[0]
+
+    def together(self, state: State) -> Float:
+        """Numbers (Q,) of model and state fitted to all halves."""
+        return self.fitted(state, np.ones((len(self.rows), 2)))
 
     def solved(self, whole: Float) -> tuple[Float, Float]:
         """Numbers (Q,) that a Gram matrix (Q + 1, Q + 1) asks for, and the inverse (Q, Q) of its normal matrix."""
@@ -166,7 +170,7 @@ class Fits:
 
     def rescale(self, state: State) -> None:
         """Count losses from here on in units of what `state` leaves: beside what is large, bursts would be nothing."""
-        step = self.fitted(state, np.ones((len(self.rows), 2)))
+        step = self.together(state)
         self.sigma = pooled_scale(list(zip(self.left_by(state, [step] * 2), self.use, strict=True)))
 
     def _possible(self, state: State, step: Float) -> bool:

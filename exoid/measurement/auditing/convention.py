@@ -294,8 +294,6 @@ def better_reading(
     as_good = [k for k in range(len(kinds)) if left[k] <= AS_GOOD * best]
     few = min(cost_of(kinds[k]) for k in as_good)
     chosen = ascending((k for k in as_good if cost_of(kinds[k]) == few), lambda k: left[k], 1.0)
-    if {item.conventions for item in recordings} == {tuple(name.name for name in kinds[chosen[0]].names)}:
-        return None  # it is how they are read
     others = tuple(kinds[k] for k in chosen[1:4])
     if any(name.name.count("-motor") for name in kinds[chosen[0]].names):
         return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())

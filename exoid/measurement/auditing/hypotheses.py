@@ -37,7 +37,7 @@ TURNING = threshold(
     __name__, "TURNING", 2.5,
     "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
 )  # fmt: skip
-TIMES = (1, 0, -1, 2, -2)
+SUMMED = (1, 0, -1, 2, -2)
 """How often a recorded torque counts in a joint's, the usual first."""
 RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
 """Gear ratios tried."""
@@ -238,7 +238,7 @@ def _of_two_drives(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHy
     known = {_key(item.map, joints, still) for item in readings(MOST, joints, still)}
     angles = [item.names for item in readings(1, joints, still) if all(name.torque is None for name in item.names)]
     found: dict[tuple[float, ...], ConventionHypothesis] = {}
-    for names, times in product(angles, product(TIMES, repeat=4)):
+    for names, times in product(angles, product(SUMMED, repeat=4)):
         if abs(times[0] * times[3] - times[1] * times[2]) in (1, 2):
             chosen = sorted((torque_sums((times[:2], times[2:]), joints), *names), key=lambda one: one.order)
             item = ConventionHypothesis(tuple(chosen), combined_map(chosen, joints))

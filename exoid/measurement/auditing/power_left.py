@@ -11,14 +11,7 @@ from numpy.typing import NDArray
 from exoid.ground.thresholds import threshold
 from exoid.measurement.auditing.hypotheses import ConventionHypothesis
 from exoid.measurement.auditing.non_negative import non_negative
-from exoid.measurement.auditing.rough import (
-    TURNS,
-    Smooth,
-    either_sign,
-    friction_at_the_base,
-    machine_columns,
-    smooth,
-)
+from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
 from exoid.measurement.reading.conventions import combined_map, conventions
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
@@ -51,8 +44,8 @@ ROWS = 600
 def smoothed_groups(
     recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None
 ) -> list[list[Smooth]]:
-    """Return the smoothed recordings that move and carry torque, those with the same known masses together; `forces`
-    say what they have measured of those, None the usual.
+    """Return the smoothed recordings that move and carry torque, those with the same known masses and drives together;
+    `forces` say what they have measured of those, None the usual.
     """
     groups: dict[object, list[Smooth]] = {}
     for recording in recordings:
@@ -63,7 +56,8 @@ def smoothed_groups(
             and np.any(motion.q.std(axis=0) > 0.02 * np.array(reach))
             and np.any(motion.tau.std(axis=0) > 0.0)
         ):
-            groups.setdefault(recording.payloads, []).append(replace(motion, weighs=weighs, meant=forces))
+            of = recording.payloads, motion.elsewhere
+            groups.setdefault(of, []).append(replace(motion, weighs=weighs, meant=forces))
     return list(groups.values())
 
 
@@ -72,7 +66,7 @@ def undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
     to = combined_map(conventions(names, motion.joints), motion.joints)
     back = np.linalg.inv(to.angle).T
     q, tau = to.undone(motion.q, motion.tau)
-    return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau)
+    return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau, elsewhere=False)
 
 
 def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis], most: float = np.inf) -> Float:
@@ -155,9 +149,11 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], kind: Convention
     shared = [name for name in group[0].forces if all(name in element.forces for element in group)]
     forces = {name: np.concatenate([entry.forces[name] for entry in group]) for name in shared}
     q, dq, ddq, seen = q @ turn + to.zero, dq @ turn, ddq @ turn, np.asarray(counts.any(axis=1))
-    whole = replace(group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen)
-    own = (machine_columns(whole), _stops(whole.q), *((friction_at_the_base(whole),) if kind.sums else ()))
-    y = np.concatenate(own, axis=2)
+    elsewhere = kind.sums or group[0].elsewhere
+    whole = replace(
+        group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen, elsewhere=elsewhere
+    )
+    y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
     size, count = y.shape[2], tau.shape[1]
     if apart:

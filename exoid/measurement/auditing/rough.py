@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.forces import usual_forces
 from exoid.measurement.reading.angles import running_median
+from exoid.measurement.reading.conventions import conventions
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.butterworth import both_ways, low_pass_filter
 from exoid.measurement.signals.masks import widen
@@ -50,7 +51,8 @@ class Smooth:
     """Evenly sampled, smoothed motion: `q`, `dq`, `ddq`, `tau` (K, J) at `step` s; `keep` picks rows for
     fitting. `base` (K, 5) is the angle of a measured base, its two derivatives, its acceleration forwards and upwards.
     `weighs` says whether the machine moves under gravity, of one in space under which (3,) in m/s². `forces` are
-    {column: (K,)} of measured ones, `meant` what they are, None for the usual.
+    {column: (K,)} of measured ones, `meant` what they are, None for the usual. Drives that may stand `elsewhere` than
+    at their joints rub there.
     """
 
     q: Float
@@ -64,6 +66,7 @@ class Smooth:
     weighs: float | Vector = True
     forces: Mapping[str, Float] = field(default_factory=dict)
     meant: tuple[Force, ...] | None = None
+    elsewhere: bool = False
     measured: NDArray[np.bool_] = None  # type: ignore[assignment]
     """Samples (K,) at which angles and torques were measured, and not filled in; all where nothing is said."""
 
@@ -131,6 +134,7 @@ def _smoothed(recording: Recording) -> Smooth | None:
     return Smooth(
         q, np.asarray(dq), np.asarray(np.gradient(dq, step, axis=0)), tau, step, slice(edge, -edge, thin), base,
         recording.joints, measured=measured, forces=signals,
+        elsewhere=any(entry.sums for entry in conventions(recording.conventions, recording.joints)),
     )  # fmt: skip
 
 
@@ -234,9 +238,9 @@ def machine_columns(motion: Smooth) -> Float:
     other sign. In space, where far less is left, so it is everywhere.
     """
     joints, q, dq, ddq, base = motion.joints, motion.q, motion.dq, motion.ddq, motion.base
-    pushed = pushed_columns(motion)
+    more = [pushed_columns(motion), *([_friction_at_the_base(motion)] if motion.elsewhere else [])]
     if is_leg(joints) and base is None:
-        return np.concatenate([columns(q, dq, ddq), pushed], axis=2)
+        return np.concatenate([columns(q, dq, ddq), *more], axis=2)
     count, spatial = range(len(joints)), is_spatial(joints)
     found = _in_space(motion) if spatial else _in_a_plane(motion, base)
     out = [[row[k] + np.zeros(len(q)) for row in found] for k in count]
@@ -250,10 +254,10 @@ def machine_columns(motion: Smooth) -> Float:
         own += [] if joint.turns and motion.weighs and not spatial else [q[:, k] - q[:, k].mean()]
         for other in count:
             out[other] += [column if other == k else np.zeros(len(q)) for column in own]
-    return np.concatenate([np.stack([np.column_stack(row) for row in out]), pushed], axis=2)
+    return np.concatenate([np.stack([np.column_stack(row) for row in out]), *more], axis=2)
 
 
-def friction_at_the_base(motion: Smooth) -> Float:
+def _friction_at_the_base(motion: Smooth) -> Float:
     """Return the columns (J, K, F) of the friction of drives that stand on the base, dry and viscous: at the speed of
     each further link against it.
     """

@@ -159,7 +159,7 @@ def contest_of(fit: Fit, individuals: int = INDIVIDUALS, generations: int = GENE
     """Return the Huber problem of `fit`; shape parameters stay where the fit found them."""
     name = f"{fit.model.name}: {', '.join(fit.recordings)}"
     data = fit.data.weighted(fit.weight)
-    return _proven(name, fit.joints, data, fit.delta * fit.weight, individuals, generations)
+    return _proven(name, fit.joints, data, fit.limits, individuals, generations)
 
 
 def paper_contest(

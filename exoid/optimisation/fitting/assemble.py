@@ -60,19 +60,17 @@ class Assembly:
 
     def data(self, shape: Float | None = None, reference: Float | None = None) -> LinearData:
         """Return the linear data for shape values ((S,), or (R, S) one row per recording) and `reference` (P,)."""
-        parts = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
-        columns = np.concatenate(parts, axis=1)
-        columns *= self.weight[:, None, None]
+        columns = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
         return LinearData(
-            columns=columns[:, :, : len(self.model.parameters)],
+            columns=np.concatenate(columns, axis=1)[:, :, : len(self.model.parameters)],
             owned=True,
-            tau=self._torque(parts) * self.weight[:, None],
+            tau=self._torque(columns),
             groups=self._groups,
             names=tuple(p.name for p in self.model.parameters),
             units=tuple(p.unit for p in self.model.parameters),
             use=self._use,
             factoriser=self._factors,
-        )
+        ).weighted(self.weight)
 
     def _torque(self, columns: Sequence[Float]) -> Float:
         """Return the torque (J, K) that is left to explain: without that of known payloads and of measured forces whose

@@ -155,13 +155,12 @@ def _alone(fit: Fit, at: np.ndarray) -> tuple[Float, Float]:
     part = LinearData(
         data.columns[:, at], data.tau[:, at], np.zeros(at.size, int), data.names, data.units, data.use[:, at]
     ).weighted(fit.weight)
-    limits = fit.delta * fit.weight
     nothing = np.full(len(data.names), np.nan), np.full(len(data.names), np.inf)
     if int(part.use.sum()) <= 2 * len(data.names):
         return nothing
     try:
-        value = solve_huber(part, limits)
-        half = covariance(part.columns, part.residual(value), limits, part.groups, factor=part.factor).half_widths()
+        value = solve_huber(part, fit.limits)
+        half = covariance(part.columns, part.residual(value), fit.limits, part.groups, factor=part.factor).half_widths()
     except (ExoidError, np.linalg.LinAlgError):
         return nothing
     return np.where(np.isfinite(half), value, np.nan), half

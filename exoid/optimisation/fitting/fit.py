@@ -100,6 +100,11 @@ class Fit(AsJson):
         return names(self.joints)
 
     @property
+    def limits(self) -> Float:
+        """Thresholds (J,) of the Huber loss for weighted misses."""
+        return self.delta * self.weight
+
+    @property
     def residual(self) -> Float:
         """Residual torque (J, N), N·m; zero where a sample was not used."""
         return self.data.residual(self.linear)

@@ -75,7 +75,7 @@ def _fit_own(fit: Fit, one: PreparedRecording, own: Sequence[int]) -> Float:
             joint = shape_joint(model, model.shapes[index])
             path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
-            losses = _own_losses(model, one, fit.linear, best, index, fit.delta * fit.weight, fit.weight)
+            losses = _own_losses(model, one, fit.linear, best, index, fit.limits, fit.weight)
             k = index_of_least(losses(trials))
             low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
             best[index] = minimum(_one_by_one(losses), low, high, NUDGE * (high - low))[0]

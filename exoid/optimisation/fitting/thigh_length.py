@@ -114,11 +114,10 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))
     with_zeros = _data(fit, zeros, "zero")
     data = _data(fit, np.concatenate([zeros, weight], axis=2), "zero")
-    limits = fit.delta * fit.weight
-    linear = solve_huber(data, limits)
-    left = with_zeros.rms(solve_huber(with_zeros, limits))
+    linear = solve_huber(data, fit.limits)
+    left = with_zeros.rms(solve_huber(with_zeros, fit.limits))
     gain = 1.0 - (data.rms(linear) / np.maximum(left, 1e-300)) ** 2
-    spread = covariance(data.columns, data.residual(linear), limits, data.groups, factor=data.factor)
+    spread = covariance(data.columns, data.residual(linear), fit.limits, data.groups, factor=data.factor)
     pick = [names.index(COUPLING), linear.size - 1]
     value, low, high = math.nan, 0.0, math.inf
     if not set(pick) & set(spread.undetermined):
