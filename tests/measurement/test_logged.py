@@ -49,6 +49,10 @@ def test_neither_is_a_clock_by_another_name_or_what_is_mostly_missing():
     assert not read_recording({**TABLE, "beat": 1e-3 * T + 7.0, "oil": np.where(T < 25.0, np.nan, WARM)}).logged
 
 
+def test_a_drive_that_warms_up_steadily_is_no_clock():
+    assert list(read_recording({**TABLE, "motor_temp": 30.0 + 0.5 * T}).logged) == ["motor_temp"]
+
+
 def test_what_is_logged_takes_nothing_from_the_recording():
     plain, more = read_recording(TABLE), read_recording({**TABLE, "oil": WARM})
     np.testing.assert_array_equal(plain.q, more.q)

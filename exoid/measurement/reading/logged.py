@@ -38,6 +38,10 @@ COUNTING = frozenset(
     }
 ) | {*WORDS["t"]} - {"temps"}  # fmt: skip
 """Words of what counts, or names the recording."""
+WARM = frozenset(
+    {"temperature", "temperatures", "temp", "temperatur", "temperatura", "celsius", "kelvin", "thermistor", "ntc"}
+)
+"""Words of what may rise steadily and counts nothing: a drive that warms up."""
 ELECTRIC = re.compile(r"(m|k)?(V|A|W|Ah|Wh|VA|J)|%")
 """Units of the same."""
 
@@ -82,7 +86,8 @@ def _averaged(column: RawColumn, values: Float, t: Float, starts: np.ndarray) ->
     plain = np.where(known, values, 0.0)
     means = (np.add.reduceat(plain, starts) / np.maximum(count, 1.0))[there]
     middle = (np.add.reduceat(np.where(known, t, 0.0), starts) / np.maximum(count, 1.0))[there]
-    if len(means) > 2 and np.ptp(means) > 0.0 and abs(np.corrcoef(middle, means)[0, 1]) > STEADY:
+    steady = len(means) > 2 and np.ptp(means) > 0.0 and abs(np.corrcoef(middle, means)[0, 1]) > STEADY
+    if steady and not WARM & words_in(column.name):
         return None
     within = plain - np.where(known, np.interp(t, middle, means), 0.0)
     return Logged(middle, means, column.unit.strip(), float(np.sqrt(np.sum(within**2) / known.sum())))
