@@ -150,15 +150,16 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
     early = next((item for item in end.possible if item.early), None)
     if early is not None:
         return _early(early, end.first, where, end.stopped)
-    only = _on_fitted_motion_only(end.last, end.possible, end.rules)
-    if only:
+    if names := _far_where_fitted(end.last, end.rules):
         return Conclusion(
             "unexplained",
-            f"the error {where} is near the noise, that on fitted ones is not, and an entry explains part of it there",
-            f"Something is missing that the recordings held out do not show: {only}.{end.nearest}",
+            f"the error {where} is near the noise, that on fitted ones is not",
+            f"Something is left that the recordings held out do not show: {_on_fitted_motion(end.last, names)}."
+            + end.nearest,
             end.stopped,
-            "hold out a recording that shows it too, or more recordings of that motion: what is met in no recording "
-            "held out cannot be verified",
+            f"look at {' and '.join(names)} (what touched the machine, a load, a sensor) and leave out what is not of "
+            "the machine; otherwise hold out a recording that shows it too: what is met in no recording held out "
+            "cannot be verified",
             error,
         )
     short = little_motion(end.last.prepared, end.rules)
@@ -207,16 +208,20 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     return Conclusion(verdict, rule, text, end.stopped, advice, error)
 
 
-def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rules: Rules) -> str:
-    """Return that the error is far above the noise on fitted motion alone, where an entry explains part; "" if not."""
-    floor = np.maximum(sensor_noise(last.prepared), 1e-6)
-    times = last.train_rms / floor
+def _far_where_fitted(last: FittedModel, rules: Rules) -> list[str]:
+    """Return the fitted recordings that are far from the noise where unseen motion is near it; none where others are
+    not held out, or all fitted ones together are near it.
+    """
+    near = rules.near_noise * np.maximum(sensor_noise(last.prepared), 1e-6)
+    if not last.verified or np.any(last.evaluation_rms > near) or np.all(last.train_rms <= near):
+        return []
+    return [name for name, rms in last.per_recording if np.any(rms > near)]
+
+
+def _on_fitted_motion(last: FittedModel, names: Sequence[str]) -> str:
+    """Return how much is left on fitted motion, most of it in the recordings `names`, and on unseen motion."""
+    times = last.train_rms / np.maximum(sensor_noise(last.prepared), 1e-6)
     j = index_of_greatest(times)
-    told = max((item.explained_share for item in possible), default=0.0) >= rules.worth_telling
-    unseen = last.evaluation_rms[j] > rules.near_noise * floor[j]
-    if not last.verified or not told or unseen or times[j] <= rules.near_noise:
-        return ""
-    names = [name for name, rms in last.per_recording if rms[j] > rules.near_noise * floor[j]]
     unit = last.model.joints[j].unit("tau")
     return (
         f"{the_joint(last.model.joint_names[j])} keeps {digits(last.train_rms[j])} {unit} on fitted motion "
