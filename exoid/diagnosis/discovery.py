@@ -146,14 +146,14 @@ def _beside_own(
     alone = beside if answer.fit is base.fit else belonging_to(base, rules)
     machines = [explained_by(last, found) for found in _of_machine_alone(question, answer, given)]
 
-    def is_worth(beside: FittedModel) -> bool:
-        """True if it predicts clearly better, and no effect of the machine explains nearly as much as many numbers."""
-        return predicts_better(last, beside, rules) and not any(
+    def is_worth(own: OwnNumbers, beside: FittedModel) -> bool:
+        """True if they predict clearly better, and no effect of the machine explains nearly as much as many numbers."""
+        return predicts_better(last, beside, rules, own.cuts) and not any(
             share >= rules.most * explained_by(last, beside) for share in machines
         )
 
     def is_worth_asking(own: OwnNumbers) -> bool:
-        return is_worth(own.beside(answer.model, given))
+        return is_worth(own, own.beside(answer.model, given))
 
     # What belongs to recordings beside the model as given may be what an effect took the place of, or its trace.
     asked = dict.fromkeys((alone, beside))
@@ -177,7 +177,7 @@ def _beside_own(
     told = own.without([entry.recording for entry in rival.left_out])
     doubted = answer.verdict == "check_channels" or answer.outside
     worse = ("check_channels", "unexplained") if doubted else ("check_channels",)
-    if not told or rival.outside or rival.verdict in worse or not is_worth(explained):
+    if not told or rival.outside or rival.verdict in worse or not is_worth(own, explained):
         return answer
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
         return answer  # what is another machine's is explained by no such number, or by as many as a machine has

@@ -294,6 +294,33 @@ def test_a_zero_that_jumps_midway_is_told():
     assert one.spans["run_2"] == (pytest.approx(6.0, abs=0.03), None) and "than before" in one.sentence
 
 
+def test_a_gain_of_the_last_third_of_one_fitted_recording_is_told_though_the_rest_is_explained():
+    runs = [drive(k) for k in range(4)]
+    late = runs[1].t > 11.0
+    runs[1] = replace(runs[1], tau=runs[1].tau * np.where(late, 1.25, 1.0)[:, None])
+    found = discover(AXIS, runs[:3], runs[3])
+    assert found.verdict == "adequate" and not found.left_out
+    assert told(found) == {"torque_gain": pytest.approx({"run_1": 1.25}, abs=0.02)}
+
+
+def test_where_a_fitted_recording_is_far_from_the_noise_nothing_is_adequate():
+    """What pushes has no number that belongs to a recording, and the recording held out does not show it."""
+    runs = [drive(k) for k in range(5)]
+    t = runs[1].t
+    push = np.where(t > 10.0, 1.5 * np.sin(2.3 * t + 0.04 * t**2) + np.sin(5.6 * t), 0.0)
+    runs[1] = replace(runs[1], tau=runs[1].tau + push[:, None])
+    found = discover(AXIS, runs[:4], runs[4])
+    assert found.verdict == "unexplained" or found.left_out
+    assert "run_1" in found.sentence
+
+
+def test_a_place_is_found_between_the_nodes_it_is_first_looked_for_at():
+    runs = [drive(k, NUMBERS + (k == 3) * added(1.5, 0.2871)) for k in range(4)]
+    runs = [replace(run, tau=np.round(run.tau, 3)) for run in runs]
+    (one,) = discover(AXIS, runs[:3], runs[3]).of_recordings
+    assert one.place.low < 0.2871 < one.place.high and one.values["run_3"].low < 1.5 < one.values["run_3"].high
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_zeros_of_a_leg_are_none_that_pushes(seed):

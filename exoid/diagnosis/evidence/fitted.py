@@ -6,8 +6,9 @@ change of a shape already explains.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -108,18 +109,28 @@ class FittedModel:
 
     def joint_losses(self, scale: Float, rules: Rules = RULES) -> Float:
         """Return that loss joint by joint (J, blocks)."""
-        return np.concatenate(self._losses(scale, rules), axis=1)
+        pairs = zip(self._losses(scale, rules), self.prepared.all, strict=True)
+        parts = [np.add.reduceat(loss, item.starts(rules.block_seconds), axis=1) for loss, item in pairs]
+        return np.concatenate(parts, axis=1)
 
-    def recording_losses(self, scale: Float, rules: Rules = RULES) -> list[Float]:
-        """Return the loss in blocks of each recording, all joints together."""
-        return [loss.sum(axis=0) for loss in self._losses(scale, rules)]
+    def recording_losses(
+        self, scale: Float, rules: Rules = RULES, cuts: Mapping[int, int] = MappingProxyType({})
+    ) -> list[Float]:
+        """Return the loss in blocks of each recording, all joints together; of those that are cut at a sample, in
+        blocks of what comes before it and after it.
+        """
+        out = []
+        for k, (loss, item) in enumerate(zip(self._losses(scale, rules), self.prepared.all, strict=True)):
+            starts, cut = item.starts(rules.block_seconds), cuts.get(k, 0)
+            for first, last in ((0, cut), (cut, loss.shape[1])) if cut else ((0, loss.shape[1]),):
+                inside = starts[(starts > first) & (starts < last)] - first
+                out.append(np.add.reduceat(loss[:, first:last].sum(axis=0), [0, *inside]))
+        return out
 
     def _losses(self, scale: Float, rules: Rules) -> list[Float]:
-        out = []
-        for residual, item in zip(self.residuals, self.prepared.all, strict=True):
-            loss = huber_terms(np.where(item.used, np.abs(residual), 0.0) / scale[:, None], rules.robust)
-            out.append(np.add.reduceat(loss, item.starts(rules.block_seconds), axis=1))
-        return out
+        """Return the loss (J, K) of the samples of each recording."""
+        pairs = zip(self.residuals, self.prepared.all, strict=True)
+        return [huber_terms(np.where(p.used, np.abs(r), 0.0) / scale[:, None], rules.robust) for r, p in pairs]
 
     @property
     def per_recording(self) -> list[tuple[str, Float]]:

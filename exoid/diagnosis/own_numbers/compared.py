@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -11,9 +12,13 @@ from exoid.diagnosis.rules import Rules
 from exoid.symbolic.motion import Float
 
 
-def predicts_better(last: FittedModel, rival: FittedModel, rules: Rules) -> bool:
-    """True where a model beside what belongs to recordings predicts clearly better than the `last` one without."""
-    once, then = (item.recording_losses(last.scale, rules) for item in (last, rival))
+def predicts_better(
+    last: FittedModel, rival: FittedModel, rules: Rules, cuts: Mapping[int, int] = MappingProxyType({})
+) -> bool:
+    """True where a model beside what belongs to recordings, or to the parts into which `cuts` divide some, predicts
+    clearly better than the `last` one without.
+    """
+    once, then = (item.recording_losses(last.scale, rules, cuts) for item in (last, rival))
     return total(then) <= (1.0 - rules.worth_telling) * total(once) and clearer(once, then) >= rules.clear
 
 
@@ -24,9 +29,9 @@ def explained_by(last: FittedModel, rival: FittedModel) -> float:
 
 
 def clearer(once: Sequence[Float], then: Sequence[Float]) -> float:
-    """Standard errors by which losses `then`, blocks of each recording, are below `once`.
+    """Standard errors by which losses `then`, blocks of each recording or part, are below `once`.
 
-    What belongs to a recording shows there and nowhere else: blocks are compared with those of their own recording.
+    What belongs to a recording, or to a part of it, shows there and nowhere else: blocks are compared with their own.
     """
     falls = [a - b for a, b in zip(once, then, strict=True)]
     fall = float(sum(item.sum() for item in falls))

@@ -168,6 +168,11 @@ class Fits:
             loss += float(both @ sums[other] @ both)
         return loss
 
+    def squares(self, state: State) -> float:
+        """Weighted squared error of all halves by the numbers that fit all of them best."""
+        whole = self.sums(state).sum(axis=(0, 1))
+        return float(whole[-1, -1] - whole[:-1, -1] @ self.solved(whole)[0])
+
     def rescale(self, state: State) -> None:
         """Count losses from here on in units of what `state` leaves: beside what is large, bursts would be nothing."""
         step = self.together(state)

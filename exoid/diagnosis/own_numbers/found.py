@@ -19,12 +19,13 @@ from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers, with_numbers
 from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.minimum import minimum
 from exoid.ground.ties import ascending, index_of_least, least_of
 
 TRIED = 4
 """Claims that are looked at more closely in a round, those that promise most."""
-FINER = 3
-"""Times that the grid of a place is made finer."""
+WITHIN = 1e-3
+"""Part of the distance between nodes to which the best place is found."""
 
 
 def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
@@ -53,19 +54,18 @@ def placed(fits: Fits, state: State) -> State:
 
 
 def at_best_node(fits: Fits, rest: State, held: Claimed) -> Claimed:
-    """Return a claim at the node that fits best beside the `rest`."""
+    """Return a claim at the node that fits best beside the `rest`: among its own, then between their neighbours."""
     nodes = np.array(held.claim.nodes)
     if len(nodes) < 2:
         return held
+
+    def squares(node: float) -> float:
+        return fits.squares((*rest, replace(held, node=node)))
+
+    best = least_of([replace(held, node=float(node)) for node in nodes], lambda one: fits.loss((*rest, one)), 1.0)
     step = float(nodes[1] - nodes[0])
-    best = held
-    for _ in range(1 + FINER):
-        tried = [replace(held, node=float(node)) for node in nodes]
-        best = least_of(tried, lambda one: fits.loss((*rest, one)), 1.0)
-        nodes = best.node + step * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-        nodes = nodes[nodes > 0.0]
-        step *= 0.25
-    return best
+    low = max(best.node - step, WITHIN * step)
+    return replace(held, node=minimum(squares, low, best.node + step, WITHIN * step)[0])
 
 
 class _Search:
@@ -98,7 +98,7 @@ class _Search:
                 break
             state = best
         self.fits.weigh(state)
-        return self._pruned(state)
+        return self._all_placed(self._pruned(state))
 
     def _of_everyone(self, state: State) -> State:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those

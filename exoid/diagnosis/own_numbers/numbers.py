@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits
-from exoid.diagnosis.own_numbers.state import Claimed, Part, State
+from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State
 from exoid.diagnosis.rules import Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
@@ -84,6 +84,11 @@ class OwnNumbers:
     def told(self) -> tuple[Belonging, ...]:
         """All statements."""
         return tuple(statement for some in self.of_each for statement in some)
+
+    @property
+    def cuts(self) -> Cuts:
+        """Samples at which recordings are cut."""
+        return {part.recording: part.start for part in self.parts if part.start > 0}
 
     @property
     def clear(self) -> State:
