@@ -41,7 +41,7 @@ from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.preparation.clocks import late_clocks
+from exoid.optimisation.preparation.clocks import clock_rates, late_clocks
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.model import Model
 
@@ -95,13 +95,21 @@ def answer_of(
     late = late_clocks(given.prepared.clock_rates)
     if (answer.verdict == "adequate" and answer.error is None and not late) or answer.outside:
         return answer
-    clock = one_clock(given, (*recordings, *verify), partial(_again, question, given, many, tick), question.rules)
+    # How late a clock is shows best beside what else was found.
+    beside = replace(question, model=answer.model) if answer.accepted else question
+    last = _on(answer.fit, given.prepared)
+    if answer.accepted and (answer.of_recordings or answer.error is not None):
+        rates = clock_rates(last.model, last.prepared.all, last.shape, last.linear)
+        last = replace(last, prepared=replace(last.prepared, clock_rates=rates))
+    clock = one_clock(last, (*recordings, *verify), partial(_again, beside, given, many, tick), question.rules)
     if clock is None:
         return answer
-    rival = _beside_own(asking, clock.fitted, clock.recordings[:many], clock.recordings[many:])
-    if rival.verdict == "adequate":
+    base = clock.fitted if beside is question else _again(question, given, many, tick, clock.recordings)
+    rival = _beside_own(asking, base, clock.recordings[:many], clock.recordings[many:])
+    # What a clock that is known only about leaves resembles effects: those alone are named that were before, too.
+    named, before = ({effect.name for effect in item.accepted} for item in (rival, answer))
+    if rival.verdict == "adequate" or (named and named <= before and rival.error is None):
         return with_own(rival, clock.told, given)
-    # What a clock that is known only about leaves resembles effects: none is named beside it.
     return replace(answer, of_recordings=clock.told) if given.prepared.clocks else answer
 
 
@@ -140,7 +148,7 @@ def _beside_own(
     question, given = asking.question, base.prepared
     rules = question.rules
     last = _on(answer.fit, given)
-    beside = None if given.misread else belonging_to(last, rules)
+    beside = None if given.misread else _belonging_beside(last, rules)
     if beside is None:
         return answer
     alone = beside if answer.fit is base.fit else belonging_to(base, rules)
@@ -168,7 +176,7 @@ def _beside_own(
         if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
             break
         kept = rival, _on(rival.fit, without), own
-        own = belonging_to(_on(rival.fit, given), rules) or own
+        own = _belonging_beside(_on(rival.fit, given), rules) or own
         if own.agrees(kept[2]):
             kept = *kept[:2], own
             break
@@ -182,6 +190,17 @@ def _beside_own(
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
         return answer  # what is another machine's is explained by no such number, or by as many as a machine has
     return with_own(rival, told, base, OTHERS_TOO if own.as_many_as(rules.half) else "")
+
+
+def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
+    """Return what belongs to recordings beside a model that was found, without effects that do no more than that."""
+    own = belonging_to(last, rules)
+    if own is None or not own.needless:
+        return own
+    model = last.model
+    for name in own.needless:
+        model = model.without(name)
+    return belonging_to(_on(identify(model, last.prepared.train, optimisers=()), last.prepared), rules)
 
 
 def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:

@@ -118,6 +118,24 @@ def test_an_effect_is_found_beside_them():
     assert found.accepted[0].parameters["c"].value == pytest.approx(0.4, abs=0.05)
 
 
+def test_zeros_are_told_beside_an_effect_that_has_a_constant_of_its_own():
+    model, zeros = AXIS.with_effect("joint_spring:axis"), (0.9, -0.6, 0.2, -1.1)
+    runs = [drive(k, [*NUMBERS, 3.0, -0.5], z, model=model) for k, z in enumerate(zeros)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert [one.effect for one in found.accepted] == ["joint_spring"]
+    own = told(found)["sensor_zero"]
+    assert [own[f"run_{k}"] - own["run_0"] for k in (1, 2, 3)] == pytest.approx([-1.5, -0.7, -2.0], abs=0.05)
+
+
+def test_a_late_torque_is_told_beside_an_effect_and_not_as_another_friction():
+    model = AXIS.with_effect("viscous_quadratic:axis")
+    runs = [drive(k, [*NUMBERS, 0.4], model=model) for k in range(5)]
+    behind = np.interp(runs[1].t - 0.02, runs[1].t, runs[1].tau[:, 0])[:, None]
+    found = discover(AXIS, [runs[0], replace(runs[1], tau=behind), *runs[2:4]], runs[4])
+    assert [one.name for one in found.accepted] == ["viscous_quadratic:axis"]
+    assert told(found) == {"clock_offset": pytest.approx({"run_1": 0.02}, abs=0.003)}
+
+
 def test_the_same_zero_in_all_recordings_is_an_effect_of_the_machine():
     found = discover(AXIS, [drive(k, zero=0.8) for k in range(3)], drive(3, zero=0.8))
     assert found.of_recordings == () and found.verdict != "adequate"

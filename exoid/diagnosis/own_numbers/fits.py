@@ -18,6 +18,8 @@ from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.symbolic.motion import Float
 
+ALIKE = 1e-9
+"""Part by which the cosine between two columns may be below one where they are the same but for rounding."""
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
 
@@ -51,6 +53,7 @@ class Fits:
         ]
         self.rows = [rows[part.recording][:, part.kept] for part in self.parts]
         self.use = [self.blocks[part.recording].use[:, part.kept] for part in self.parts]
+        self.alike = {claim: self._alike(claim) for claim in self.claims if claim.everyone}
         self.starts = [part.starts(self.blocks[part.recording], rules.block_seconds) for part in self.parts]
         self.curves: dict[str | None, State] = {}
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
@@ -61,6 +64,22 @@ class Fits:
         """Groups of parts, those of each recording together."""
         last = range(len(self.blocks))
         return tuple(tuple(j for j, part in enumerate(self.parts) if part.recording == k) for k in last)
+
+    def _alike(self, claim: Claim) -> list[int]:
+        """Return the model's numbers that do what a claim of everyone does, such as the constant of a spring: they are
+        held where it is, or nobody could tell the recordings' numbers from theirs.
+        """
+        own = np.concatenate([rows[:, :, self.place[claim]] for rows in self.rows], axis=1).ravel()
+        every = np.concatenate([rows[:, :, : self.count] for rows in self.rows], axis=1).reshape(len(own), -1)
+        size = np.maximum(np.linalg.norm(every, axis=0) * np.linalg.norm(own), 1e-300)
+        return np.flatnonzero(np.abs(own @ every) >= (1.0 - ALIKE) * size).tolist()
+
+    def needless(self, state: State) -> tuple[str, ...]:
+        """Terms of the model that do no more than what each recording has, such as an offset beside zeros."""
+        model, held = self.now.model, {k for item in state for k in self.alike.get(item.claim, [])}
+        bent = {entry.term for entry in model.shapes}
+        own = {term.name: {k for k, p in enumerate(model.parameters) if p.term == term.name} for term in model.terms}
+        return tuple(name for name, places in own.items() if places and places <= held and name not in bent)
 
     def moved(self, other: Fits, state: State) -> State:
         """Claims of other fits to these recordings, cut elsewhere or not at all, as claims of these fits."""
@@ -110,7 +129,10 @@ class Fits:
         """Matrices (R, D, Q + 1) from rows to the model's columns, those of `state`, and the residual."""
         width, groups = self.rows[0].shape[2], [(held, group) for held in state for group in held.groups]
         out = np.zeros((len(self.rows), width, self.count + len(groups) + 1))
-        out[:, : self.count, : self.count] = np.eye(self.count)
+        free = np.ones(self.count)
+        for held in state:
+            free[self.alike.get(held.claim, [])] = 0.0
+        out[:, : self.count, : self.count] = np.diag(free)
         for c, (held, group) in enumerate(groups, self.count):
             out[list(group), self.place[held.claim], c] = held.claim.mix(held.node)
         out[:, -1, -1] = 1.0

@@ -69,7 +69,8 @@ class Belonging(AsJson):
 class OwnNumbers:
     """Numbers that belong to recordings beside the model `now`: the claims that are `held` of `parts` of them, their
     `numbers` (C,), and for each part those (2, C) by which its two halves are judged; statements `of_each` claim.
-    Factors are those of the model's torque at its `linear` numbers (P,).
+    Factors are those of the model's torque at its `linear` numbers (P,). `needless` are terms of the model that do no
+    more than what each recording has.
     """
 
     now: FittedModel
@@ -78,6 +79,7 @@ class OwnNumbers:
     held: State
     numbers: Float
     judged: Float
+    needless: tuple[str, ...] = ()
     of_each: tuple[tuple[Belonging, ...], ...] = ()
 
     @property
@@ -177,7 +179,7 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
             others[j, half] = 0.0
             judged[j, half] = fits.fitted(state, others)[fits.count :]
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
-    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, judged)
+    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, judged, fits.needless(state))
     own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
     told, at = [], 0
     for held in state:

@@ -62,9 +62,14 @@ class ClockRate:
     late_share: float = 0.0
 
 
-def clock_rates(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[ClockRate, ...]:
-    """Clock rates of the torques in every recording that tells them."""
-    return tuple(rate for recording in prepared if (rate := clock_rate(base, recording)) is not None)
+def clock_rates(
+    base: Model, prepared: Sequence[PreparedRecording], shape: Float | None = None, linear: Float | None = None
+) -> tuple[ClockRate, ...]:
+    """Clock rates of the torques in every recording that tells them, beside a model at a `shape` (S,); of one that
+    feeds torques back, at `linear` numbers (P,).
+    """
+    found = (clock_rate(base, recording, shape, linear) for recording in prepared)
+    return tuple(rate for rate in found if rate is not None)
 
 
 def clocks_apart(
@@ -168,7 +173,9 @@ def _finding(one: ClockRate) -> Finding:
     return Finding(CLOCKS, "warning", what, one.name, one.rate, None, remedy, consequence, "likely")
 
 
-def clock_rate(base: Model, one: PreparedRecording) -> ClockRate | None:
+def clock_rate(
+    base: Model, one: PreparedRecording, shape: Float | None = None, linear: Float | None = None
+) -> ClockRate | None:
     """Clock rate of one recording; None where it is too short, or nothing is driven.
 
     Where the clocks come far apart a derivative is not enough: the torque is read at the rate found so far, and again.
@@ -176,7 +183,8 @@ def clock_rate(base: Model, one: PreparedRecording) -> ClockRate | None:
     motion, use = one.motion, one.used & one.driven[:, None]
     if use.sum() < LEAST_SAMPLES:
         return None
-    own, middle = _own_columns(base, one), 0.5 * float(motion.t[0] + motion.t[-1])
+    own = _own_columns(one, base.columns(motion, shape, linear if base.needs_reference else None))
+    middle = 0.5 * float(motion.t[0] + motion.t[-1])
     rate, late, first = 0.0, 0.0, None
     for _ in range(STEPS):
         at = middle + (motion.t - middle) * (1.0 - rate) + late
@@ -241,9 +249,9 @@ def squares_left(square: float, gram: Float, product: Float) -> float:
     return max(square - float(product @ np.linalg.lstsq(gram, product, rcond=1e-10)[0]), 0.0)
 
 
-def _own_columns(base: Model, one: PreparedRecording) -> Float:
-    """Return the rigid machine's columns and each joint's zero, (J, K, P), all of them also drifting with the time."""
-    t, columns = one.motion.t, base.columns(one.motion)
+def _own_columns(one: PreparedRecording, columns: Float) -> Float:
+    """Return a model's `columns` (J, N, P) and each joint's zero, (J, K, P), all of them drifting with time, too."""
+    t = one.motion.t
     zeros = np.broadcast_to(np.eye(columns.shape[0])[:, None], (columns.shape[0], len(t), columns.shape[0]))
     columns, drift = np.concatenate([columns, zeros], axis=2), np.linspace(-1.0, 1.0, len(t))[:, None]
     return one.smooth_columns(np.concatenate([columns, drift * columns, drift**2 * columns], axis=2))
