@@ -25,10 +25,8 @@ LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
 """Time constants of a filter of first order on the torque that are tried, s."""
 FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
 """Delays and time constants in s that are tried where a delay was found."""
-ALIKE = (0.003, 0.0065, 0.013, 0.03, 0.12)
-"""Time constants in s of which the nearest tells the spikes that a filter smeared: where its inverse steepens much, it
-is the same samples whatever the constant.
-"""
+SLOW = 0.1
+"""Time constant in s by which spikes that a filter smeared are told: whatever it was, its inverse steepens much."""
 
 
 def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
@@ -154,7 +152,6 @@ class _Readings:
 
     def __init__(self, base: FittedModel) -> None:
         self.train = base.prepared.train
-        self.known_spikes: dict[tuple[int, float], Mask] = {}
         raw, known = zip(*map(base.unfiltered, range(len(self.train))), strict=True)
         self.known = [each.T for each in known]
         parts = [p.smooth_columns(x) for p, x in zip(self.train, raw, strict=True)]
@@ -162,6 +159,11 @@ class _Readings:
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
         flat = self.columns.reshape(-1, self.columns.shape[2])
         self.solve = inverse_of(flat.T @ flat) @ flat.T
+
+    @cached_property
+    def smeared(self) -> list[Mask]:
+        """Spikes (N, J) of the torques of each recording before a filter."""
+        return [spikes(_without_lag(p.wide_tau, SLOW * p.rate), p.rate) for p in self.train]
 
     @cached_property
     def now(self) -> Float:
@@ -208,14 +210,6 @@ class _Readings:
             return recording.torque - recording.smooth(self.known[index])
         changed = CHANGES[kind][0](recording.wide_tau, seconds * recording.rate)
         if kind == "lag":
-            nearest = ALIKE[int(np.argmin(np.abs(np.log(seconds / np.array(ALIKE)))))]
-            changed = straight_columns(changed, self._spoilt(index, nearest))
+            changed = straight_columns(changed, self.smeared[index])
         changed = changed if which is None else np.where(which, changed, recording.wide_tau)
         return recording.smooth(changed - self.known[index])
-
-    def _spoilt(self, index: int, seconds: float) -> Mask:
-        """Spikes (N, J) of a recording's torques before a filter with this time constant."""
-        if (index, seconds) not in self.known_spikes:
-            tau, rate = self.train[index].wide_tau, self.train[index].rate
-            self.known_spikes[index, seconds] = spikes(_without_lag(tau, seconds * rate), rate)
-        return self.known_spikes[index, seconds]
