@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.ties import index_of_least, least_of
+from exoid.ground.ties import least_of
 from exoid.measurement.signals.masks import Mask, straight_columns
 from exoid.measurement.signals.spikes import spikes
 from exoid.symbolic.language.torque import is_transform
@@ -37,11 +37,9 @@ def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
     ):
         return None
     readings, joints = _Readings(base), np.isfinite(share)
-    found = readings.best(joints, rules)
-    if found is None and joints.sum() > 1:  # the channel of one joint alone
-        late = np.flatnonzero(joints & (np.nan_to_num(share) > rules.least_share))
-        alone = (readings.best(np.arange(len(share)) == joint, rules) for joint in late)
-        found = next((item for item in alone if item is not None), None)
+    alone = np.eye(len(share), dtype=bool)[np.nan_to_num(share) > rules.least_share]
+    best = (readings.best(which, rules) for which in (joints, *alone))  # all channels, or that of one joint
+    found = next((item for item in best if item is not None), None)
     if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
         return None
     return _wrong_timing(base, found, int(joints.sum()))
@@ -179,22 +177,22 @@ class _Readings:
         """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them, or
         where no fitted torque shows them.
         """
-        if not self.now[which].sum() > 0.0:
+        now, little = self.now[which], rules.little
+        near = [
+            (kind, *least_of(tried.items(), lambda item: item[1][which].sum())) for kind, tried in self.coarse.items()
+        ]
+        fine = {
+            (kind, factor * value): self.left(kind, factor * value, which)[which]
+            for kind, value, left in near
+            for factor in (0.8, 0.9, 1.0, 1.12, 1.25)
+            if left[which].sum() <= 2.0 * little * now.sum()
+        }
+        if not now.sum() > 0.0 or not fine:
             return None
-        most = rules.little * self.now[which].sum()
-        fine: list[tuple[str, float]] = []
-        for kind, tried in self.coarse.items():
-            place = list(tried)[index_of_least([left[which].sum() for left in tried.values()])]
-            if tried[place][which].sum() <= 2.0 * most:
-                fine += [(kind, factor * place) for factor in (0.8, 0.9, 1.0, 1.12, 1.25)]
-        if not fine:
+        (kind, value), left = least_of(fine.items(), lambda item: item[1].sum())
+        if left.sum() > little * now.sum() or np.any(left > 2.0 * little * now):
             return None
-        least, kind, value, alike = min(
-            (float(left[which].sum()), *item, bool(np.all(left[which] <= 2.0 * rules.little * self.now[which])))
-            for item in fine
-            for left in [self.left(*item, which)]
-        )
-        return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
+        return _Reading(kind, value, float(left.sum() / now.sum()), which)
 
     def left(self, kind: str = "", seconds: float = 0.0, which: np.ndarray | None = None) -> Float:
         """Return the share (J,) of its variance that a fit leaves of each torque if those of `which` are changed."""
@@ -202,7 +200,7 @@ class _Readings:
         linear = self.solve @ (tau * self.use).ravel()
         square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
         size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])
-        return np.where(size > 0.0, square / np.where(size > 0.0, size, 1.0), 0.0)
+        return np.divide(square, size, out=np.zeros(len(size)), where=size > 0.0)
 
     def _read(self, index: int, kind: str, seconds: float, which: np.ndarray | None) -> Float:
         recording = self.train[index]
