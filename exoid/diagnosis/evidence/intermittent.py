@@ -11,18 +11,18 @@ does: steps resemble each other, and soft ground is a spring at a height.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.columns import stacked
+from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.evidence.model_error import times_noise
-from exoid.diagnosis.evidence.splines import spline_columns
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import threshold
 from exoid.ground.ties import index_of_greatest, index_of_least
@@ -109,12 +109,6 @@ class _View:
         motion = self.recording.motion
         return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
 
-    def block(self, joint: int, left: Float, parts: int) -> RecordingEvidence:
-        """Return one joint as the evidence sees it, of `parts`, where so much is `left` (J, N)."""
-        recording, fold = self.recording, np.arange(left.shape[1]) * parts // left.shape[1]
-        columns, use, path = self.columns[[joint]], self.seen[[joint]], recording.motion.q
-        return RecordingEvidence(columns, left[[joint]], use, path, recording.rate, fold, recording.starts)
-
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
     """Torque that acts in part of the time of all recordings; None where nothing does, or little is left. An effect may
@@ -149,7 +143,8 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         # of the other kind are far from it.
         far_away = np.quantile(losses[away], 0.25) > far**2
         plain = far_away and all(episodes) and _of_two_kinds(losses, quiet) >= rules.most
-        if not plain or not _beyond_curves(views, rest, acts, rules.artefact * far, rules):
+        large = _rms(views, rest, acts) > rules.artefact * far
+        if not plain or not np.any(large & _beyond_curves(base, x, acts, rules)):
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
     long = [
@@ -263,41 +258,23 @@ def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
     return [(begin, end) for begin, end in pairs if end is not None and end - begin >= WINDOW * rate]
 
 
-def _beyond_curves(
-    views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], far: float, rules: Rules
-) -> bool:
-    """True if smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
-    recordings, leave a good part of what acts at any joint, RMS, where that is more than `far`.
+def _beyond_curves(base: FittedModel, x: Float, acts: list[NDArray[np.bool_]], rules: Rules) -> NDArray[np.bool_]:
+    """Mask (J,) of the joints at which smooth curves in the angles and velocities beside other numbers of the model,
+    fitted to the other recordings, leave a good part of what acts beside the numbers `x` (P,).
     """
-    q, dq = (np.concatenate([getattr(view.recording.motion, name) for view in views]) for name in ("q", "dq"))
-    ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
-    curves = [Columns((0,), _curves(view, ends, rules.knots)[None, None]) for view in views]
-    parts = 1 if len(views) > 1 else rules.blocks
-    squares = replace(rules, robust=np.inf, most_folds=parts * len(views))
-    for joint in range(len(rest[0])):
-        blocks = [view.block(joint, left, parts) for view, left in zip(views, rest, strict=True)]
-        evidence = Evidence(blocks, (), seed=0, draws=0, sigma=np.ones(1), rules=squares)
-        square, whole, count = 0.0, 0.0, 0
-        for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
-            k, weight = evidence.unit(unit)
-            there = acts[k] & (weight[0] > 0.0)
-            left = evidence.left(k, step, curves[k], coefficients)[0, there]
-            square, whole = square + float(left @ left), whole + float(np.sum(rest[k][joint, there] ** 2))
-            count += int(there.sum())
-        if whole > count * far**2 and square > rules.unexplained_share**2 * whole:
-            return True
-    return False
-
-
-def _curves(view: _View, ends: list[tuple[Float, Float]], count: int) -> Float:
-    """Return cubic splines (N, C), so many in every angle and every velocity."""
-    out = []
-    for x, (low, high) in zip((view.recording.motion.q, view.recording.motion.dq), ends, strict=True):
-        for column, first, last in zip(x.T, low, high, strict=True):
-            if last > first:
-                knots = np.concatenate([[first] * 3, np.linspace(first, last, count - 2), [last] * 3])
-                out.append(spline_columns(column, knots))
-    return np.concatenate(out, axis=1)
+    squares, count = replace(rules, robust=np.inf), len(base.model.joints)
+    evidence = base.evidence(seed=0, draws=0, sigma=np.ones(count), rules=squares)
+    asked = itertools.product(("q", "dq"), range(1, count + 1), range(count))
+    found = [splines_along(base, f"{word}{k}", joint, "", rules.knots) for word, k, joint in asked]
+    curves = stacked([item.columns for item in found if item is not None], count)
+    moved = np.append(x - base.linear, np.zeros(len(base.model.shapes)))
+    left, whole = np.zeros((2, count))
+    for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
+        k, weight = evidence.unit(unit)
+        there = (weight > 0.0) & acts[k][base.prepared.all[k].kept]
+        left += np.sum(evidence.left(k, step, curves[k], coefficients) ** 2 * there, axis=1)
+        whole += np.sum(evidence.left(k, moved) ** 2 * there, axis=1)
+    return np.asarray(left > rules.unexplained_share**2 * whole)
 
 
 def _rms(views: list[_View], torques: list[Float], chosen: list[NDArray[np.bool_]]) -> Float:
