@@ -128,8 +128,7 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     level, away = float(np.mean(losses[quiet])), ~quiet
     ends = np.cumsum([len(part.first) for part in parts])[:-1]
     pairs = list(zip(views, parts, np.split(away, ends), strict=True))
-    acts = [_spread(view, part, own) for view, part, own in pairs]
-    calm = [_samples(view, part.first[~own]) & ~act for (view, part, own), act in zip(pairs, acts, strict=True)]
+    acts, calm = map(list, zip(*itertools.starmap(_spread, pairs), strict=True))
     episodes = [_episodes(act, view.recording.rate) for act, view in zip(acts, views, strict=True)]
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
@@ -142,21 +141,16 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         # What is now large and now small has no quiet part: windows are of two kinds where it has, and three quarters
         # of the other kind are far from it.
         far_away = np.quantile(losses[away], 0.25) > far**2
-        plain = far_away and all(episodes) and _of_two_kinds(losses, quiet) >= rules.most
+        plain = far_away and all(map(len, episodes)) and _of_two_kinds(losses, quiet) >= rules.most
         large = _rms(views, rest, acts) > rules.artefact * far
         if not plain or not np.any(large & _beyond_curves(base, x, acts, rules)):
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
-    long = [
-        (end - begin) / view.recording.rate
-        for view, each in zip(views, episodes, strict=True)
-        for begin, end in each
-    ]
-    apart = [np.diff([b for b, _ in each]) / view.recording.rate for view, each in zip(views, episodes, strict=True)]
+    times = [each / view.recording.rate for view, each in zip(views, episodes, strict=True)]
     return Intermittent(
         share=float(np.mean(np.concatenate(acts))),
-        seconds=float(np.median(long)),
-        period=float(np.median(np.concatenate(apart))),
+        seconds=float(np.median(np.diff(np.concatenate(times)))),
+        period=float(np.median(np.concatenate([np.diff(each[:, 0]) for each in times]))),
         torque=sizes[0],
         quiet=sizes[1],
         phase=_phase(base, views, episodes),
@@ -228,34 +222,28 @@ def _of_two_kinds(losses: Float, quiet: NDArray[np.bool_]) -> float:
     return float(np.var(means) / max(float(np.var(size)), 1e-300))
 
 
-def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return at which samples (N,) it acts; a single window between two of the other kind is of theirs."""
-    count = len(view.recording.motion) // view.length + 1
-    kind = np.full(count, -1)
+def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return at which samples (N,) it acts, a single window between two of the other kind being of theirs; and those of
+    the windows in which it does not for certain.
+    """
+    samples = len(view.recording.motion)
+    kind = np.full(samples // view.length + 1, -1)
     kind[part.first // view.length] = away
-    known = np.flatnonzero(kind >= 0)
-    if not known.size:
-        return np.zeros(len(view.recording.motion), dtype=bool)
-    filled = kind[known[np.abs(np.arange(count)[:, None] - known).argmin(axis=1)]] > 0
-    alone = (filled[1:-1] != filled[:-2]) & (filled[1:-1] != filled[2:])
-    filled[1:-1] ^= alone
-    return np.repeat(filled, view.length)[: len(view.recording.motion)]
+    known, filled = np.flatnonzero(kind >= 0), kind > 0
+    if known.size:
+        filled = filled[known[np.abs(np.arange(len(kind))[:, None] - known).argmin(axis=1)]]
+    filled[1:-1] ^= (filled[1:-1] != filled[:-2]) & (filled[1:-1] != filled[2:])
+    acts, calm = (np.repeat(chosen, view.length)[:samples] for chosen in (filled, kind == 0))
+    return acts, calm & ~acts
 
 
-def _samples(view: _View, first: NDArray[np.int_]) -> NDArray[np.bool_]:
-    """Return the samples (N,) of the windows that begin at `first`."""
-    out = np.zeros(len(view.recording.motion), dtype=bool)
-    out[(first[:, None] + np.arange(view.length)).ravel()] = True
-    return out
-
-
-def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
-    """First sample of each time it acts and the first after it; those at the ends of the recording are left out."""
-    edges = np.flatnonzero(np.diff(acts.astype(int)))
-    begins = [int(k) + 1 for k in edges if not acts[k]]
-    ends = [int(k) + 1 for k in edges if acts[k]]
-    pairs = ((begin, next((end for end in ends if end > begin), None)) for begin in begins)
-    return [(begin, end) for begin, end in pairs if end is not None and end - begin >= WINDOW * rate]
+def _episodes(acts: NDArray[np.bool_], rate: float) -> NDArray[np.int_]:
+    """First sample of each time it acts and the first after it (E, 2); those at the ends of the recording, and short
+    ones, are left out.
+    """
+    edges = np.flatnonzero(np.diff(acts)) + 1
+    pairs = np.array([*itertools.pairwise(edges)], dtype=int).reshape(-1, 2)
+    return pairs[acts[pairs[:, 0]] & (np.diff(pairs)[:, 0] >= WINDOW * rate)]
 
 
 def _beyond_curves(base: FittedModel, x: Float, acts: list[NDArray[np.bool_]], rules: Rules) -> NDArray[np.bool_]:
@@ -284,24 +272,24 @@ def _rms(views: list[_View], torques: list[Float], chosen: list[NDArray[np.bool_
     return np.asarray(np.sqrt(square / np.maximum(np.sum([mask.sum(axis=1) for mask in masks], axis=0), 1)))
 
 
-def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int, int]]]) -> str:
+def _phase(base: FittedModel, views: list[_View], episodes: list[NDArray[np.int_]]) -> str:
     """Return in which phase of the motion it begins and ends, of the joint that says so best; "" for none."""
-    q, dq = (np.concatenate([getattr(view.recording.motion, name) for view in views]) for name in ("q", "dq"))
-    states = []
-    for place in (0, 1):
-        at = [(view.recording.motion, pair[place]) for view, each in zip(views, episodes, strict=True) for pair in each]
-        states.append(tuple(np.array([getattr(m, name)[min(k, len(m) - 1)] for m, k in at]) for name in ("q", "dq")))
-    size = [np.maximum(x.std(axis=0), 1e-12) for x in (q, dq)]
-    lengths = [
-        np.abs(np.mean(np.exp(1j * np.arctan2(v / size[1], (x - q.mean(axis=0)) / size[0])), axis=0)) for x, v in states
+    paths = [np.stack([view.recording.motion.q, view.recording.motion.dq]) for view in views]
+    whole = np.concatenate(paths, axis=1)
+    wide, fast = np.maximum(whole.std(axis=1), 1e-12)
+    both = [
+        np.concatenate([path[:, each[:, k]] for path, each in zip(paths, episodes, strict=True)], axis=1)
+        for k in (0, 1)
     ]
+    turns = [(x - whole[0].mean(axis=0)) / wide + 1j * v / fast for x, v in both]
+    lengths = [np.abs(np.mean(turn / np.abs(turn), axis=0)) for turn in turns]
     best = index_of_greatest(lengths[0] * lengths[1])
     if min(lengths[0][best], lengths[1][best]) < PHASE:
         return ""
     joint = base.model.joints[best]
     words = [
         f"{np.median(x[:, best]):.2g} {joint.unit('q')} {'forwards' if np.median(v[:, best]) > 0.0 else 'backwards'}"
-        for x, v in states
+        for x, v in both
     ]
     return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
 
