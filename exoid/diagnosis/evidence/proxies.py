@@ -36,21 +36,18 @@ class BetterCurve:
     ridge: float | None
     share: float
 
-    def leaves(self, term: Sequence[Columns]) -> float:
-        """Return the share of the loss that a term (one node) still explains beside the curve."""
-        both = stacked([self.columns, term], len(self.data.parts[0].sigma))
-        return self.data.share(both, self.ridge) - self.share
-
     def supersedes(self, term: Sequence[Columns]) -> bool:
         """True if a term adds less than half of its own gain to the curve.
 
         A constant adds nothing to any curve, each of which contains it: there the curve has to gain clearly more; and
         where recordings have offsets of their own, a constant says nothing.
         """
-        rules, alone = self.data.parts[0].rules, self.data.share(term)
+        evidence, alone = self.data.parts[0], self.data.share(term)
+        rules = evidence.rules
         if all(np.ptp(item.values, axis=2).max() < CONSTANT * np.abs(item.values).max() for item in term):
             return rules.least_share <= alone < rules.most * self.share
-        return self.leaves(term) < rules.half * alone
+        both = stacked([self.columns, term], len(evidence.sigma))
+        return self.data.share(both, self.ridge) - self.share < rules.half * alone
 
 
 def beaten(
