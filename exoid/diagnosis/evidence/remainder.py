@@ -144,16 +144,17 @@ def remainders(
             if splines is not None:
                 gained = _weigh(data, splines, place)
                 joint = now.model.joint_names[place]
-                one = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **gained)
-                found.append((one, data, splines.columns))
+                remainder = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **gained)
+                found.append((remainder, data, splines.columns))
     # A curve of its own for each recording must earn that freedom.
     found = ascending(found, lambda item: -item[0].share * (evidence.rules.most if item[0].own else 1.0), 1.0)
     least = least_of_a_curve(evidence.rules)
-    tested = [
-        replace(one, p_value=data.p_value(columns, one.share)) if one.share >= least else one
-        for one, data, columns in found[:placebos]
+    return [
+        replace(remainder, p_value=data.p_value(columns, remainder.share))
+        if k < placebos and remainder.share >= least
+        else remainder
+        for k, (remainder, data, columns) in enumerate(found)
     ]
-    return [*tested, *(one for one, _, _ in found[placebos:])]
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +190,7 @@ class CurveData:
         return np.concatenate([block_losses(part, part.plain(some), some, ridge) for part, some in every])
 
     def p_value(self, columns: Sequence[Columns], share: float) -> float:
-        """Return how many placebos of a curve explain as large a share."""
+        """Share of the placebos of a curve that explain as large a `share`, the curve itself counted among them."""
         ridge, every = self.parts[0].rules.curve_ridge, self.of(columns)[: self.fitted]
         null = sum(part.shifted_gains(some, 0, ridge) for part, some in every)
         as_good = int(np.count_nonzero(null >= share * self.loss(slice(self.fitted))))
