@@ -15,7 +15,7 @@ import numpy as np
 from exoid.diagnosis.cautions import OUTSIDE, cautions
 from exoid.diagnosis.evidence.best_effects import as_given
 from exoid.diagnosis.evidence.curves import variables
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.remainder import Remainder, remainders
 from exoid.diagnosis.evidence.strides import Strides, strides_of
@@ -37,7 +37,6 @@ from exoid.measurement.signals.methods import BUTTERWORTH
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length
-from exoid.optimisation.preparation.noise import mean_square
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -220,7 +219,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         fit=fit,
         rms=now.train_rms,
         verify_rms=now.verify_rms,
-        signal_rms=np.sqrt(mean_square([item.torque for item in shown], shown)),
+        signal_rms=pooled_rms([item.torque for item in shown], shown),
         noise_floor=prepared.noise_floor,
         sse_verify_rms=None if unseen is None else unseen.sse,
         where=() if now.prepared.misread else where_it_sits(now, curves),

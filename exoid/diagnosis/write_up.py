@@ -50,16 +50,18 @@ def possible_beside(
         if effect.fall >= rules.least_share
     ]
     names = {item.name for item in accepted}
-    both = [*given_up, *(entry for entry in possible if entry.name not in names)]
-    return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
+    return _nearest_first([*given_up, *(entry for entry in possible if entry.name not in names)], rules)
 
 
 def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
     """Possible effects, with the sway in the place of one of the same size in all recordings."""
     reason = f"the base oscillates {sway.words}: no model of the motion alone can predict that"
     found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
-    both = [found, *(item for item in possible if item.effect != SWAY)]
-    return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
+    return _nearest_first([found, *(item for item in possible if item.effect != SWAY)], rules)
+
+
+def _nearest_first(possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
+    return tuple(ascending(possible, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 
 
 def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel, caution: str = "") -> Diagnosis:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exoid.diagnosis.evidence.channel_doubt import known
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
@@ -143,28 +144,19 @@ def _is_of(finding: Finding, name: str) -> bool:
 
 def _plain(own: Float, others: Float, rules: Rules) -> NDArray[np.bool_]:
     """Return at which joints (J,) far more is left of one recording, `own`, than of any other, `others`."""
-    known = np.nan_to_num(own)
-    return np.asarray((known > rules.worth_telling) & (known > rules.near_noise**2 * others))
+    left = np.nan_to_num(own)
+    return np.asarray((left > rules.worth_telling) & (left > rules.near_noise**2 * others))
 
 
 def _power(base: FittedModel) -> Float:
     """Return the variance (J,) of the torque of each joint, the median of the recordings; NaN for one without drive."""
-    rows = [
-        [tau[use].var() if driven and use.any() else np.nan for tau, use, driven in zip(*parts, strict=True)]
-        for parts in ((item.torque, item.used, item.driven) for item in base.prepared.all)
-    ]
-    known = np.array(rows)
-    known[~(known > 0.0)] = np.nan
-    out = [float(np.nanmedian(row)) if np.isfinite(row).any() else np.nan for row in known.T]
-    return np.array(out)
+    each = np.ma.stack([known([item.torque], [item]).var(axis=1) for item in base.prepared.all])
+    usual = np.ma.median(np.ma.masked_less_equal(each, 0.0), axis=0)  # type: ignore[no-untyped-call]
+    return np.asarray(usual.filled(np.nan))
 
 
 def _shares(fitted: FittedModel) -> Float:
     """Return the share (R, J) of the usual variance of a torque that is left of each recording."""
-    power = _power(fitted)
-    out = np.full((len(fitted.prepared.all), len(power)), np.nan)
-    for k, (item, residual) in enumerate(zip(fitted.prepared.all, fitted.residuals, strict=True)):
-        for j in range(len(power)):
-            if item.driven[j] and item.used[j].any():
-                out[k, j] = np.mean(residual[j, item.used[j]] ** 2) / power[j]
-    return out
+    pairs = zip(fitted.residuals, fitted.prepared.all, strict=True)
+    left = np.ma.stack([(known([residual], [item]) ** 2).mean(axis=1) for residual, item in pairs])
+    return np.asarray(left.filled(np.nan) / _power(fitted))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.motion import Float
 
 
@@ -28,17 +31,14 @@ def left_share(fitted: FittedModel) -> Float:
     The variance is that of all recordings: a held-out one that happens to need hardly any torque is no wrong channel.
     NaN for a joint that has no torque of its own to explain: undriven, or without a usable sample.
     """
-    count = len(fitted.prepared.train)
-    parts = [slice(0, count)] + ([slice(count, None)] if fitted.verified else [])
-    joints = len(fitted.model.joints)
-    out = np.full((len(parts), joints), np.nan)
-    for joint in range(joints):
-        known = [p.torque[joint, p.used[joint]] for p in fitted.prepared.all if p.driven[joint]]
-        whole = float(np.concatenate(known).var()) if sum(t.size for t in known) else 0.0
-        for row, part in enumerate(parts):
-            pairs = zip(fitted.residuals[part], fitted.prepared.all[part], strict=True)
-            left = [r[joint][p.used[joint]] for r, p in pairs if p.driven[joint]]
-            if whole > 0.0 and sum(r.size for r in left):
-                out[row, joint] = np.mean(np.concatenate(left) ** 2) / whole
-    seen = np.isfinite(out).any(axis=0)
-    return np.where(seen, np.max(np.where(np.isfinite(out), out, -np.inf), axis=0), np.nan)
+    every, count = fitted.prepared.all, len(fitted.prepared.train)
+    parts = [slice(count), slice(count, None)][: 1 + fitted.verified]
+    whole = known([item.torque for item in every], every).var(axis=1)
+    left = [(known(fitted.residuals[part], every[part]) ** 2).mean(axis=1) / whole for part in parts]
+    return np.asarray(np.ma.stack(left).max(axis=0).filled(np.nan))
+
+
+def known(rows: Sequence[Float], recordings: Sequence[PreparedRecording]) -> np.ma.MaskedArray[Any, Any]:
+    """Return `rows` (J, K) of recordings behind one another, masked where no torque of a drive is known."""
+    mask = [~(item.used & item.driven[:, None]) for item in recordings]
+    return np.ma.masked_array(np.concatenate(rows, axis=1), np.concatenate(mask, axis=1))

@@ -56,17 +56,23 @@ def _untared(base: FittedModel) -> Doubt | None:
     """Recordings that have a measured force that is not zero while the foot is in the air: its load of every
     joint, which is not there, resembles a spring.
     """
-    found = [finding for finding in base.prepared.findings if finding.check == TARED]
-    if not found or UPWARDS not in base.model.channels:
+    if UPWARDS not in base.model.channels:
         return None
+    return _found(base, TARED, f"{UPWARDS} is not zero while the foot is in the air", "A force was not tared")
+
+
+def _found(base: FittedModel, check: str, rule: str, what: str) -> Doubt | None:
+    """Doubt about what a check of the recordings found; None where it found nothing."""
+    found = [finding for finding in base.prepared.findings if finding.check == check]
     where = "; ".join(f"{item.where}: {item.what}" for item in found)
-    remedies = "; ".join(dict.fromkeys(entry.remedy for entry in found))
-    return Doubt(f"{UPWARDS} is not zero while the foot is in the air", f"A force was not tared: {where}.", remedies)
+    remedies = "; ".join(dict.fromkeys(item.remedy for item in found))
+    return Doubt(rule, f"{what}: {where}.", remedies) if found else None
 
 
 def doubts_of_recordings(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Doubt about the recordings whatever the machine is, asked before anything outside is looked for; None without."""
-    return _two_clocks(base) or _filtered_angles(base, rules)
+    rule = "what the rigid machine leaves of the torques is their own derivative, more and more so"
+    return _found(base, CLOCKS, rule, "Two clocks") or _filtered_angles(base, rules)
 
 
 def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
@@ -81,17 +87,6 @@ def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
         "missing in the model's torque, and looks like a delay, a soft drive or friction.",
         filtered.remedy,
     )
-
-
-def _two_clocks(base: FittedModel) -> Doubt | None:
-    """Doubt where the torques' clock runs at another rate than the angles'."""
-    found = [finding for finding in base.prepared.findings if finding.check == CLOCKS]
-    if not found:
-        return None
-    where = "; ".join(f"{item.where}: {item.what}" for item in found)
-    remedies = "; ".join(dict.fromkeys(entry.remedy for entry in found))
-    rule = "what the rigid machine leaves of the torques is their own derivative, more and more so"
-    return Doubt(rule, f"Two clocks: {where}.", remedies)
 
 
 def _late(base: FittedModel, rules: Rules, explained: Callable[[], float]) -> Doubt | None:

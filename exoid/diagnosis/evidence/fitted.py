@@ -19,6 +19,7 @@ from exoid.optimisation.fitting.local_shape import own_of_halves, own_shapes, sh
 from exoid.optimisation.fitting.shapes import slope_by_shape
 from exoid.optimisation.linear.loss import huber, huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.noise import mean_square
 from exoid.optimisation.preparation.prepare import Prepared, judged_anew
 from exoid.symbolic.evaluation import carrying
 from exoid.symbolic.model import Model
@@ -259,9 +260,7 @@ def _filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape:
 
 def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
     """Return the RMS (J,) of residuals (J, K) over the usable samples of several recordings."""
-    square = sum(np.sum(np.where(p.used, r, 0.0) ** 2, axis=1) for r, p in zip(residuals, prepared, strict=True))
-    count = sum(p.used.sum(axis=1) for p in prepared)
-    return np.sqrt(square / np.maximum(count, 1))
+    return np.sqrt(mean_square(residuals, prepared))
 
 
 def _block(

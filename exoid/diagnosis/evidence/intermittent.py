@@ -11,18 +11,18 @@ does: steps resemble each other, and soft ground is a spring at a height.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.columns import stacked
+from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.evidence.model_error import times_noise
-from exoid.diagnosis.evidence.splines import spline_columns
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import threshold
 from exoid.ground.ties import index_of_greatest, index_of_least
@@ -109,12 +109,6 @@ class _View:
         motion = self.recording.motion
         return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
 
-    def block(self, joint: int, left: Float, parts: int) -> RecordingEvidence:
-        """Return one joint as the evidence sees it, of `parts`, where so much is `left` (J, N)."""
-        recording, fold = self.recording, np.arange(left.shape[1]) * parts // left.shape[1]
-        columns, use, path = self.columns[[joint]], self.seen[[joint]], recording.motion.q
-        return RecordingEvidence(columns, left[[joint]], use, path, recording.rate, fold, recording.starts)
-
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
     """Torque that acts in part of the time of all recordings; None where nothing does, or little is left. An effect may
@@ -134,8 +128,7 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     level, away = float(np.mean(losses[quiet])), ~quiet
     ends = np.cumsum([len(part.first) for part in parts])[:-1]
     pairs = list(zip(views, parts, np.split(away, ends), strict=True))
-    acts = [_spread(view, part, own) for view, part, own in pairs]
-    calm = [_samples(view, part.first[~own]) & ~act for (view, part, own), act in zip(pairs, acts, strict=True)]
+    acts, calm = map(list, zip(*itertools.starmap(_spread, pairs), strict=True))
     episodes = [_episodes(act, view.recording.rate) for act, view in zip(acts, views, strict=True)]
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
@@ -148,20 +141,16 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         # What is now large and now small has no quiet part: windows are of two kinds where it has, and three quarters
         # of the other kind are far from it.
         far_away = np.quantile(losses[away], 0.25) > far**2
-        plain = far_away and all(episodes) and _of_two_kinds(losses, quiet) >= rules.most
-        if not plain or not _beyond_curves(views, rest, acts, rules.artefact * far, rules):
+        plain = far_away and all(map(len, episodes)) and _of_two_kinds(losses, quiet) >= rules.most
+        large = _rms(views, rest, acts) > rules.artefact * far
+        if not plain or not np.any(large & _beyond_curves(base, x, acts, rules)):
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
-    long = [
-        (end - begin) / view.recording.rate
-        for view, each in zip(views, episodes, strict=True)
-        for begin, end in each
-    ]
-    apart = [np.diff([b for b, _ in each]) / view.recording.rate for view, each in zip(views, episodes, strict=True)]
+    times = [each / view.recording.rate for view, each in zip(views, episodes, strict=True)]
     return Intermittent(
         share=float(np.mean(np.concatenate(acts))),
-        seconds=float(np.median(long)),
-        period=float(np.median(np.concatenate(apart))),
+        seconds=float(np.median(np.diff(np.concatenate(times)))),
+        period=float(np.median(np.concatenate([np.diff(each[:, 0]) for each in times]))),
         torque=sizes[0],
         quiet=sizes[1],
         phase=_phase(base, views, episodes),
@@ -233,71 +222,47 @@ def _of_two_kinds(losses: Float, quiet: NDArray[np.bool_]) -> float:
     return float(np.var(means) / max(float(np.var(size)), 1e-300))
 
 
-def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return at which samples (N,) it acts; a single window between two of the other kind is of theirs."""
-    count = len(view.recording.motion) // view.length + 1
-    kind = np.full(count, -1)
-    kind[part.first // view.length] = away
-    known = np.flatnonzero(kind >= 0)
-    if not known.size:
-        return np.zeros(len(view.recording.motion), dtype=bool)
-    filled = kind[known[np.abs(np.arange(count)[:, None] - known).argmin(axis=1)]] > 0
-    alone = (filled[1:-1] != filled[:-2]) & (filled[1:-1] != filled[2:])
-    filled[1:-1] ^= alone
-    return np.repeat(filled, view.length)[: len(view.recording.motion)]
-
-
-def _samples(view: _View, first: NDArray[np.int_]) -> NDArray[np.bool_]:
-    """Return the samples (N,) of the windows that begin at `first`."""
-    out = np.zeros(len(view.recording.motion), dtype=bool)
-    out[(first[:, None] + np.arange(view.length)).ravel()] = True
-    return out
-
-
-def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
-    """First sample of each time it acts and the first after it; those at the ends of the recording are left out."""
-    edges = np.flatnonzero(np.diff(acts.astype(int)))
-    begins = [int(k) + 1 for k in edges if not acts[k]]
-    ends = [int(k) + 1 for k in edges if acts[k]]
-    pairs = ((begin, next((end for end in ends if end > begin), None)) for begin in begins)
-    return [(begin, end) for begin, end in pairs if end is not None and end - begin >= WINDOW * rate]
-
-
-def _beyond_curves(
-    views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], far: float, rules: Rules
-) -> bool:
-    """True if smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
-    recordings, leave a good part of what acts at any joint, RMS, where that is more than `far`.
+def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return at which samples (N,) it acts, a single window between two of the other kind being of theirs; and those of
+    the windows in which it does not for certain.
     """
-    q, dq = (np.concatenate([getattr(view.recording.motion, name) for view in views]) for name in ("q", "dq"))
-    ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
-    curves = [Columns((0,), _curves(view, ends, rules.knots)[None, None]) for view in views]
-    parts = 1 if len(views) > 1 else rules.blocks
-    squares = replace(rules, robust=np.inf, most_folds=parts * len(views))
-    for joint in range(len(rest[0])):
-        blocks = [view.block(joint, left, parts) for view, left in zip(views, rest, strict=True)]
-        evidence = Evidence(blocks, (), seed=0, draws=0, sigma=np.ones(1), rules=squares)
-        square, whole, count = 0.0, 0.0, 0
-        for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
-            k, weight = evidence.unit(unit)
-            there = acts[k] & (weight[0] > 0.0)
-            left = evidence.left(k, step, curves[k], coefficients)[0, there]
-            square, whole = square + float(left @ left), whole + float(np.sum(rest[k][joint, there] ** 2))
-            count += int(there.sum())
-        if whole > count * far**2 and square > rules.unexplained_share**2 * whole:
-            return True
-    return False
+    samples = len(view.recording.motion)
+    kind = np.full(samples // view.length + 1, -1)
+    kind[part.first // view.length] = away
+    known, filled = np.flatnonzero(kind >= 0), kind > 0
+    if known.size:
+        filled = filled[known[np.abs(np.arange(len(kind))[:, None] - known).argmin(axis=1)]]
+    filled[1:-1] ^= (filled[1:-1] != filled[:-2]) & (filled[1:-1] != filled[2:])
+    acts, calm = (np.repeat(chosen, view.length)[:samples] for chosen in (filled, kind == 0))
+    return acts, calm & ~acts
 
 
-def _curves(view: _View, ends: list[tuple[Float, Float]], count: int) -> Float:
-    """Return cubic splines (N, C), so many in every angle and every velocity."""
-    out = []
-    for x, (low, high) in zip((view.recording.motion.q, view.recording.motion.dq), ends, strict=True):
-        for column, first, last in zip(x.T, low, high, strict=True):
-            if last > first:
-                knots = np.concatenate([[first] * 3, np.linspace(first, last, count - 2), [last] * 3])
-                out.append(spline_columns(column, knots))
-    return np.concatenate(out, axis=1)
+def _episodes(acts: NDArray[np.bool_], rate: float) -> NDArray[np.int_]:
+    """First sample of each time it acts and the first after it (E, 2); those at the ends of the recording, and short
+    ones, are left out.
+    """
+    edges = np.flatnonzero(np.diff(acts)) + 1
+    pairs = np.array([*itertools.pairwise(edges)], dtype=int).reshape(-1, 2)
+    return pairs[acts[pairs[:, 0]] & (np.diff(pairs)[:, 0] >= WINDOW * rate)]
+
+
+def _beyond_curves(base: FittedModel, x: Float, acts: list[NDArray[np.bool_]], rules: Rules) -> NDArray[np.bool_]:
+    """Mask (J,) of the joints at which smooth curves in the angles and velocities beside other numbers of the model,
+    fitted to the other recordings, leave a good part of what acts beside the numbers `x` (P,).
+    """
+    squares, count = replace(rules, robust=np.inf), len(base.model.joints)
+    evidence = base.evidence(seed=0, draws=0, sigma=np.ones(count), rules=squares)
+    asked = itertools.product(("q", "dq"), range(1, count + 1), range(count))
+    found = [splines_along(base, f"{word}{k}", joint, "", rules.knots) for word, k, joint in asked]
+    curves = stacked([item.columns for item in found if item is not None], count)
+    moved = np.append(x - base.linear, np.zeros(len(base.model.shapes)))
+    left, whole = np.zeros((2, count))
+    for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
+        k, weight = evidence.unit(unit)
+        there = (weight > 0.0) & acts[k][base.prepared.all[k].kept]
+        left += np.sum(evidence.left(k, step, curves[k], coefficients) ** 2 * there, axis=1)
+        whole += np.sum(evidence.left(k, moved) ** 2 * there, axis=1)
+    return np.asarray(left > rules.unexplained_share**2 * whole)
 
 
 def _rms(views: list[_View], torques: list[Float], chosen: list[NDArray[np.bool_]]) -> Float:
@@ -307,24 +272,24 @@ def _rms(views: list[_View], torques: list[Float], chosen: list[NDArray[np.bool_
     return np.asarray(np.sqrt(square / np.maximum(np.sum([mask.sum(axis=1) for mask in masks], axis=0), 1)))
 
 
-def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int, int]]]) -> str:
+def _phase(base: FittedModel, views: list[_View], episodes: list[NDArray[np.int_]]) -> str:
     """Return in which phase of the motion it begins and ends, of the joint that says so best; "" for none."""
-    q, dq = (np.concatenate([getattr(view.recording.motion, name) for view in views]) for name in ("q", "dq"))
-    states = []
-    for place in (0, 1):
-        at = [(view.recording.motion, pair[place]) for view, each in zip(views, episodes, strict=True) for pair in each]
-        states.append(tuple(np.array([getattr(m, name)[min(k, len(m) - 1)] for m, k in at]) for name in ("q", "dq")))
-    size = [np.maximum(x.std(axis=0), 1e-12) for x in (q, dq)]
-    lengths = [
-        np.abs(np.mean(np.exp(1j * np.arctan2(v / size[1], (x - q.mean(axis=0)) / size[0])), axis=0)) for x, v in states
+    paths = [np.stack([view.recording.motion.q, view.recording.motion.dq]) for view in views]
+    whole = np.concatenate(paths, axis=1)
+    wide, fast = np.maximum(whole.std(axis=1), 1e-12)
+    both = [
+        np.concatenate([path[:, each[:, k]] for path, each in zip(paths, episodes, strict=True)], axis=1)
+        for k in (0, 1)
     ]
+    turns = [(x - whole[0].mean(axis=0)) / wide + 1j * v / fast for x, v in both]
+    lengths = [np.abs(np.mean(turn / np.abs(turn), axis=0)) for turn in turns]
     best = index_of_greatest(lengths[0] * lengths[1])
     if min(lengths[0][best], lengths[1][best]) < PHASE:
         return ""
     joint = base.model.joints[best]
     words = [
         f"{np.median(x[:, best]):.2g} {joint.unit('q')} {'forwards' if np.median(v[:, best]) > 0.0 else 'backwards'}"
-        for x, v in states
+        for x, v in both
     ]
     return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
 

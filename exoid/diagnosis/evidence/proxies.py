@@ -4,9 +4,9 @@ beats it on the same data shows that it is a proxy for something else.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -15,11 +15,10 @@ from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.look_alikes import block_losses, refine
+from exoid.diagnosis.evidence.look_alikes import refine
 from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from exoid.diagnosis.evidence.score import weigh
 from exoid.symbolic.effect import Coefficient, Effect, Shape
-from exoid.symbolic.motion import Float
 from exoid.symbolic.term import Term
 
 BUMP_LEVELS = np.linspace(0.06, 0.94, 23)
@@ -33,14 +32,9 @@ class BetterCurve:
     """A curve without physics that beat a term: its columns (one node) on every recording, on which data."""
 
     columns: tuple[Columns, ...]
-    parts: tuple[CurveData, ...]
+    data: CurveData
     ridge: float | None
     share: float
-
-    def leaves(self, term: Sequence[Columns]) -> float:
-        """Return the share of the loss that a term (one node) still explains beside the curve."""
-        both = stacked([self.columns, term], len(self.parts[0].evidence.sigma))
-        return _share(self.parts, both, self.ridge) - self.share
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
         """True if a term adds less than half of its own gain to the curve.
@@ -48,10 +42,12 @@ class BetterCurve:
         A constant adds nothing to any curve, each of which contains it: there the curve has to gain clearly more; and
         where recordings have offsets of their own, a constant says nothing.
         """
-        rules, alone = self.parts[0].evidence.rules, _share(self.parts, term)
+        evidence, alone = self.data.parts[0], self.data.share(term)
+        rules = evidence.rules
         if all(np.ptp(item.values, axis=2).max() < CONSTANT * np.abs(item.values).max() for item in term):
             return rules.least_share <= alone < rules.most * self.share
-        return self.leaves(term) < rules.half * alone
+        both = stacked([self.columns, term], len(evidence.sigma))
+        return self.data.share(both, self.ridge) - self.share < rules.half * alone
 
 
 def beaten(
@@ -63,48 +59,52 @@ def beaten(
     of what a single bump with fewer numbers than the `numbers` of the term does; and that adds little to that curve: it
     was a proxy. `several` terms together are beaten by a bump that does practically as well with fewer numbers. A true
     effect of a machine that has errors besides explains most of what a curve can bend to. A term beside which something
-    else is left adds nearly as much to a curve as it gains alone. `now` and
-    `evidence` are of the model without the term.
+    else is left adds nearly as much to a curve as it gains alone. `now` and `evidence` are of the model without the
+    term.
     """
-    rules = evidence.rules
-    common = _on_all(evidence)
-    contests: list[Callable[[], BetterCurve | None]] = []
-    for parts, own in ((common, False), (tuple(curve_data_per_recording(now, evidence)), True)):
-        mine, losses = _share(parts, term), _blocks(parts, term)
+    bumps = [candidate for candidate in _bumps(now, joint) if candidate.numbers < numbers]
+    better = itertools.chain(
+        _better_curves(now, evidence, joint, term), _better_bumps(now, evidence, bumps, term, several=several)
+    )
+    return next((curve for curve in better if curve.supersedes(term)), None)
 
-        def by_curve(
-            variable: str, factor: str, parts: Sequence[CurveData] = parts, mine: float = mine, losses: Float = losses
-        ) -> BetterCurve | None:
-            splines = splines_along(now, variable, now.model.joint_names.index(joint), factor, rules.knots)
-            if splines is None:
-                return None
-            share = _share(parts, splines.columns, rules.curve_ridge)
-            curve = BetterCurve(splines.columns, tuple(parts), rules.curve_ridge, share)
-            if mine >= rules.most * curve.share:
-                return None
-            clear = lag(losses, _blocks(parts, splines.columns, rules.curve_ridge)) >= rules.clear
-            return curve if clear and curve.supersedes(term) else None
 
-        tried = (pair for pair in tried_curves(now.model.joints) if not own or may_move(*pair))
-        contests += [partial(by_curve, variable, factor) for variable, factor in tried]
-    alone = _share(common, term)
+def _better_curves(
+    now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns]
+) -> Iterator[BetterCurve]:
+    """Yield the smooth curves that clearly explain more than a term, common to all recordings or one in each."""
+    rules, place = evidence.rules, now.model.joint_names.index(joint)
+    for own in (False, True):
+        data = curve_data_per_recording(now, evidence) if own else _on_all(evidence)
+        mine, losses = data.share(term), data.losses(term)
+        for variable, factor in tried_curves(now.model.joints):
+            if own and not may_move(variable, factor):
+                continue
+            if (splines := splines_along(now, variable, place, factor, rules.knots)) is None:
+                continue
+            curve, ridge = splines.columns, rules.curve_ridge
+            share = data.share(curve, ridge)
+            if mine < rules.most * share and lag(losses, data.losses(curve, ridge)) >= rules.clear:
+                yield BetterCurve(curve, data, ridge, share)
 
-    def by_bump(candidate: Candidate) -> BetterCurve | None:
+
+def _better_bumps(
+    now: FittedModel, evidence: Evidence, bumps: Sequence[Candidate], term: Sequence[Columns], *, several: bool
+) -> Iterator[BetterCurve]:
+    """Yield the single bumps that explain clearly more than a term, or than `several` practically as much."""
+    common, rules = _on_all(evidence), evidence.rules
+    least = (rules.practically if several else 1.0 / rules.most) * common.share(term)
+    for candidate in bumps:
         columns = [
             candidate_columns(candidate, nodes, item, now)
             for nodes, item in zip(candidate.nodes, now.prepared.all, strict=True)
         ]
         score = weigh(evidence, candidate, columns)
-        best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
+        best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
         if several:
-            score, refined = refine(evidence, score, now)
-            best = tuple(refined)
-        bump = BetterCurve(best, common, None, score.share)
-        least = rules.practically if several else 1.0 / rules.most
-        return bump if score.share > least * alone and bump.supersedes(term) else None
-
-    contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint) if candidate.numbers < numbers]
-    return next((found for contest in contests if (found := contest()) is not None), None)
+            score, best = refine(evidence, score, now)
+        if score.share > least:
+            yield BetterCurve(tuple(best), common, None, score.share)
 
 
 def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
@@ -143,21 +143,8 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
 
 def explained_share(evidence: Evidence, columns: Sequence[Columns]) -> float:
     """Return the share of the loss on held-out units of all recordings that columns (one node) explain."""
-    return _share(_on_all(evidence), columns)
+    return _on_all(evidence).share(columns)
 
 
-def _on_all(evidence: Evidence) -> tuple[CurveData]:
-    return (CurveData(evidence, tuple(range(len(evidence.blocks)))),)
-
-
-def _blocks(parts: Sequence[CurveData], columns: Sequence[Columns], ridge: float | None = None) -> Float:
-    """Return the losses of columns (one node) in blocks of time, on all that is held out."""
-    trained = [(j.evidence, j.columns(columns)) for j in parts if j.trained]
-    return np.concatenate([block_losses(e, e.plain(c), c, ridge) for e, c in trained])
-
-
-def _share(parts: Sequence[CurveData], columns: Sequence[Columns], ridge: float | None = None) -> float:
-    """Return the share of the loss on held-out units that columns (one node) explain."""
-    trained = [j for j in parts if j.trained]
-    fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns)), ridge).total[0]) for j in trained)
-    return fall / sum(float(j.evidence.fold_losses.sum()) for j in trained)
+def _on_all(evidence: Evidence) -> CurveData:
+    return CurveData((evidence,), 1)

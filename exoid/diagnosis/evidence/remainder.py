@@ -7,6 +7,7 @@ learnt curve, and closed forms that come close, written in the torque language s
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ from exoid.diagnosis.evidence.curves import Splines, may_move, splines_along, tr
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import Gain
+from exoid.diagnosis.evidence.look_alikes import block_losses
 from exoid.diagnosis.plots import curve
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.html import bullets, lines, picture
@@ -132,59 +134,70 @@ def remainders(
     A curve is tried twice: common to all recordings and evaluated on held-out recordings; and with each recording
     having its own, evaluated on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
     """
-    common = [CurveData(evidence, tuple(range(len(evidence.blocks))))]
-    owns = curve_data_per_recording(now, evidence)
+    judges = (CurveData((evidence,), 1), curve_data_per_recording(now, evidence))
     seen = np.any([p.used.any(axis=1) for p in now.prepared.train], axis=0)
     places = [k for k, name in enumerate(now.model.joint_names) if seen[k] and name in (joints or [name])]
-    asked = [(place, variable, factor) for place in places for variable, factor in tried_curves(now.model.joints)]
     found = []
-    for place, variable, factor in asked:
+    for place, (variable, factor) in itertools.product(places, tried_curves(now.model.joints)):
         splines = splines_along(now, variable, place, factor, evidence.rules.knots)
-        if splines is not None:
-            for own, parts in _modes(variable, factor, common, owns):
-                gained = _weigh(parts, splines, place, own)
+        for data in judges if may_move(variable, factor) else judges[:1]:
+            if splines is not None:
+                gained = _weigh(data, splines, place)
                 joint = now.model.joint_names[place]
-                found.append(Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **gained))
+                remainder = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **gained)
+                found.append((remainder, data, splines.columns))
     # A curve of its own for each recording must earn that freedom.
-    found = ascending(found, lambda remainder: -remainder.share * (evidence.rules.most if remainder.own else 1.0), 1.0)
-    for k, remainder in enumerate(found[:placebos]):
-        if remainder.share >= least_of_a_curve(evidence.rules):
-            splines = splines_along(now, remainder.variable, remainder.index, remainder.factor, evidence.rules.knots)
-            columns = splines.columns if splines is not None else ()
-            found[k] = replace(remainder, p_value=_p_value(owns if remainder.own else common, columns, remainder.share))
-    return found
-
-
-def _modes(
-    variable: str, factor: str, common: list[CurveData], owns: list[CurveData]
-) -> tuple[tuple[bool, list[CurveData]], ...]:
-    """Return the ways to evaluate a curve: common to all recordings, and, where it may move, one in each."""
-    return ((False, common), (True, owns)) if may_move(variable, factor) else ((False, common),)
+    found = ascending(found, lambda item: -item[0].share * (evidence.rules.most if item[0].own else 1.0), 1.0)
+    least = least_of_a_curve(evidence.rules)
+    return [
+        replace(remainder, p_value=data.p_value(columns, remainder.share))
+        if k < placebos and remainder.share >= least
+        else remainder
+        for k, (remainder, data, columns) in enumerate(found)
+    ]
 
 
 @dataclass(frozen=True, eq=False)
 class CurveData:
-    """Evidence that curves are evaluated on: that of some of the recordings (`which`, indices)."""
+    """Evidence that curves are weighed by: of all recordings together, or, with `own` curves, of one after the other,
+    of which the first `fitted` are fitted.
+    """
 
-    evidence: Evidence
-    which: tuple[int, ...]
-    trained: bool = True
+    parts: tuple[Evidence, ...]
+    fitted: int
+    own: bool = False
 
-    @property
-    def curve_ridge(self) -> float:
-        """Relative ridge of a curve."""
-        return self.evidence.rules.curve_ridge
+    def of(self, columns: Sequence[Columns]) -> list[tuple[Evidence, Sequence[Columns]]]:
+        """Return each evidence with the columns on its recordings."""
+        return [(part, columns[k : k + 1] if self.own else columns) for k, part in enumerate(self.parts)]
 
-    def columns(self, columns: Sequence[Columns]) -> list[Columns]:
-        """Return those of its recordings."""
-        return [columns[i] for i in self.which]
+    def loss(self, parts: slice) -> float:
+        """Loss on held-out units without any curve."""
+        return sum(float(part.fold_losses.sum()) for part in self.parts[parts])
 
-    def gain(self, splines: Sequence[Columns]) -> Gain:
-        """Gain of a curve."""
-        return self.evidence.gain(self.evidence.plain(self.columns(splines)), self.curve_ridge)
+    def gains(self, columns: Sequence[Columns], ridge: float | None) -> list[Gain]:
+        """Gain of columns (one node) by each evidence."""
+        return [part.gain(part.plain(some), ridge) for part, some in self.of(columns)]
+
+    def share(self, columns: Sequence[Columns], ridge: float | None = None) -> float:
+        """Share of the loss on held-out units of what is fitted that columns (one node) explain."""
+        falls = [float(part.gain(part.plain(some), ridge).total[0]) for part, some in self.of(columns)[: self.fitted]]
+        return sum(falls) / self.loss(slice(self.fitted))
+
+    def losses(self, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+        """Losses with columns (one node) in blocks of time, on all that is held out."""
+        every = self.of(columns)[: self.fitted]
+        return np.concatenate([block_losses(part, part.plain(some), some, ridge) for part, some in every])
+
+    def p_value(self, columns: Sequence[Columns], share: float) -> float:
+        """Share of the placebos of a curve that explain as large a `share`, the curve itself counted among them."""
+        ridge, every = self.parts[0].rules.curve_ridge, self.of(columns)[: self.fitted]
+        null = sum(part.shifted_gains(some, 0, ridge) for part, some in every)
+        as_good = int(np.count_nonzero(null >= share * self.loss(slice(self.fitted))))
+        return (1 + as_good) / (1 + self.parts[0].draws)
 
 
-def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> list[CurveData]:
+def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> CurveData:
     """Return the evidence of each recording alone, with a torque offset of its own among the columns."""
     out = []
     joints = len(now.model.joints)
@@ -197,27 +210,24 @@ def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> list[Curve
         alone = Evidence(
             [folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=evidence.rules
         )
-        out.append(CurveData(alone, (index,), index < len(now.prepared.train)))
-    return out
+        out.append(alone)
+    return CurveData(tuple(out), len(now.prepared.train), own=True)
 
 
-def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) -> dict[str, Any]:
-    """Gain of a curve on the `parts`, at the joint `index`, as fields of a Remainder."""
-    gains = [j.gain(splines.columns) for j in parts]
-    fall = sum(float(g.total[0]) for g, j in zip(gains, parts, strict=True) if j.trained)
-    loss = sum(float(j.evidence.fold_losses.sum()) for j in parts if j.trained)
-    each = np.sum([j.evidence.joint_losses for j in parts if j.trained], axis=0)
-    if own:
-        fresh = [(float(g.total[0]), float(j.evidence.fold_losses.sum())) for g, j in zip(gains, parts, strict=True)]
-        unseen = sum(f for (f, _), j in zip(fresh, parts, strict=True) if not j.trained)
-        against = sum(w for (_, w), j in zip(fresh, parts, strict=True) if not j.trained)
-        best = index_of_greatest([fall for fall, _ in fresh])
+def _weigh(data: CurveData, splines: Splines, index: int) -> dict[str, Any]:
+    """Gain of a curve at the joint `index`, as fields of a Remainder."""
+    seen, held = slice(data.fitted), slice(data.fitted, None)
+    gains = data.gains(splines.columns, data.parts[0].rules.curve_ridge)
+    falls, loss = np.array([float(gain.total[0]) for gain in gains]), data.loss(seen)
+    each = np.sum([part.joint_losses for part in data.parts[seen]], axis=0)
+    if data.own:
+        unseen, against = float(falls[held].sum()), data.loss(held)
     else:
-        unseen, against, best = float(gains[0].unseen[0]), parts[0].evidence.unseen_loss, 0
-    share = fall / loss if loss else 0.0
-    y, band = _curve(parts[best], splines)
+        unseen, against = float(gains[0].unseen[0]), data.parts[0].unseen_loss
+    share = float(falls[seen].sum()) / loss if loss else 0.0
+    y, band = _curve(*data.of(splines.columns)[index_of_greatest(falls)], splines.basis)
     return {
-        "own": own,
+        "own": data.own,
         "share": share,
         "unseen": unseen / against if against else share,
         "joint_share": min(1.0, share * float(each.sum() / each[index])) if each[index] else 0.0,
@@ -225,13 +235,6 @@ def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) 
         "y": y,
         "band": band,
     }
-
-
-def _p_value(parts: Sequence[CurveData], columns: Sequence[Columns], share: float) -> float:
-    trained = [j for j in parts if j.trained]
-    null = sum(j.evidence.shifted_gains(j.columns(columns), 0, j.curve_ridge) for j in trained)
-    loss = sum(float(j.evidence.fold_losses.sum()) for j in trained)
-    return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
 
 
 def least_of_a_curve(rules: Rules) -> float:
@@ -245,11 +248,11 @@ def significant(one: Remainder, rules: Rules = RULES) -> bool:
     return one.p_value is not None and one.p_value <= rules.strict_level and enough
 
 
-def _curve(part: CurveData, splines: Splines) -> tuple[Float, Float]:
+def _curve(evidence: Evidence, columns: Sequence[Columns], basis: Float) -> tuple[Float, Float]:
     """Return the learnt curve and the half-width of its 95 % band from the spread over held-out fits (jackknife)."""
-    grams = part.evidence.plain(part.columns(splines.columns))
-    curves = part.evidence.leave_one_out(grams, part.curve_ridge) @ splines.basis.T
-    y = splines.basis @ part.evidence.gain(grams, part.curve_ridge).coefficients[0]
+    ridge, grams = evidence.rules.curve_ridge, evidence.plain(columns)
+    curves = evidence.leave_one_out(grams, ridge) @ basis.T
+    y = basis @ evidence.gain(grams, ridge).coefficients[0]
     count = len(curves)
     spread = np.sqrt((count - 1) / count * np.sum((curves - curves.mean(axis=0)) ** 2, axis=0))
     return y - y.mean(), 1.96 * spread

@@ -16,8 +16,6 @@ ALIKE = 0.05
 SHORTEST = 1.0
 """s, of a period; and of what two recordings must have in common."""
 LEAST_SAMPLES = 60
-ROUNDING = 1e-9
-"""Differences, of variances, up to which lags are compared sample by sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,13 +50,11 @@ def _periods(fitted: FittedModel, index: int) -> Pair | None:
     if most - first < 2 or len(q) - most < LEAST_SAMPLES or not moves.any():
         return None
     q = (q - q.mean(axis=0))[:, moves] / q.std(axis=0)[moves]
-    lags = np.arange(first, most + 1)
-    rough = _differences(q, most)[lags].max(axis=1)
-    close = lags[rough <= rough.min() + ROUNDING]
-    away = np.array([np.sqrt(np.mean((q[lag:] - q[:-lag]) ** 2, axis=0)).max() for lag in close])
-    if away.min() > ALIKE:
+    away = _differences(q, most)[first:].max(axis=1)
+    best = index_of_least(away, 1.0)
+    if away[best] > ALIKE**2:
         return None
-    lag, rest, use = int(close[index_of_least(away, 1.0)]), fitted.residuals[index], recording.used
+    lag, rest, use = first + best, fitted.residuals[index], recording.used
     return rest[:, :-lag], rest[:, lag:], use[:, :-lag] & use[:, lag:]
 
 

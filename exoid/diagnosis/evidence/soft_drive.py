@@ -28,19 +28,17 @@ from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.ties import least_of
 from exoid.measurement.signals.compiled import solved_banded
-from exoid.symbolic.columns import slopes_of
-from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.evaluation import carrying
-from exoid.symbolic.language.deflection import STATES
 from exoid.symbolic.language.torque import is_transform
 from exoid.symbolic.motion import Float
-from exoid.symbolic.term import Term
 
 ENTRY = "motor_elasticity"
 SOFTEST, STIFFEST, TRIED = 0.3, 6.0, 8
 """Resonances in Hz between which compliances are tried, and how many of them: above, the entry holds."""
 REACH, CLOSE = 1.6, 0.005
 """Factor about the best one within which it is refined, and how closely."""
+STATES, STEP = ("q", "dq", "ddq"), 1e-4
+"""What a rigid-body torque has slopes by, and the step to either side by which they are told."""
 ROUNDS = 2
 """Times that the numbers are fitted: friction and inertia enter the twist."""
 NO_BETTER = 0.95
@@ -159,32 +157,28 @@ class _Link:
         self.model, self.one, self.joint = fitted.model, fitted.prepared.all[index], joint
         self.shape, self.motion = fitted.shapes[index], self.one.motion
         self.inertial = slice(0, len(self.model.inertial))
-        self.term = Term(find_effect(ENTRY), self.model.joints[joint].name, self.model.joints)
         self.reference = fitted.linear if self.model.needs_reference else None
-        self.bare = self.model.base()
-        self._kept: tuple[bytes, tuple[Float, Float, Float]] | None = None
+        self.bare, self.only = self.model.base(), np.eye(self.motion.q.shape[1])[joint]
         self.own = self.bare.whole_columns(self.motion)[joint]
 
     @cached_property
     def still(self) -> Float:
         """The filtered columns (J, K, P), or (J, K, P + 1) with measured forces, with the link where the encoder is."""
-        return self._smooth(self.model.whole_columns(self.motion, self.shape, self.reference))
+        return self.one.smooth_columns(self.model.whole_columns(self.motion, self.shape, self.reference))
 
-    def _smooth(self, columns: Float) -> Float:
-        """Return columns (J, N, P) as (J, K, P), filtered as the torque was."""
-        return self.one.smooth_columns(columns)
+    @cached_property
+    def bends(self) -> Float:
+        """Derivatives (3, N, P) of the joint's rigid-body columns by its angle, velocity and acceleration."""
+        out = []
+        for name in STATES:
+            ends = [{name: getattr(self.motion, name) + step * self.only} for step in (-STEP, STEP)]
+            low, high = (self.bare.columns(replace(self.motion, **moved)) for moved in ends)
+            out.append((high - low)[self.joint, :, self.inertial] / (2.0 * STEP))
+        return np.array(out)
 
-    def slopes(self, linear: Float) -> tuple[Float, Float, Float]:
-        """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration; at
-        the numbers asked first they are kept, since every compliance begins with these.
-        """
-        carried = self._carried(linear)
-        if self._kept is not None and self._kept[0] == carried.tobytes():
-            return self._kept[1]
-        found = slopes_of(self.bare, (self.term,), self.motion, carried, np.zeros(0))
-        by_angle, by_speed, by_acceleration = (found[f"tau{self.joint + 1}_by_{s}{self.joint + 1}"] for s in STATES)
-        self._kept = self._kept or (carried.tobytes(), (by_angle, by_speed, by_acceleration))
-        return by_angle, by_speed, by_acceleration
+    def slopes(self, linear: Float) -> Float:
+        """Return the derivatives (3, N) of the joint's rigid-body torque by its angle, velocity and acceleration."""
+        return np.asarray(self.bends @ self._carried(linear)[self.inertial])
 
     def _carried(self, linear: Float) -> Float:
         """Return the numbers of the bare model among `linear` (P,), known loads included."""
@@ -201,10 +195,10 @@ class _Link:
         turned = twist(load, rigid, self.slopes(linear), compliance, rate)[:, None]
         speed, rise = np.gradient(turned, 1.0 / rate, axis=0), np.zeros_like(turned)
         rise[1:-1] = (turned[2:] - 2.0 * turned[1:-1] + turned[:-2]) * rate**2  # as the twist was found with
-        at, only = self.motion, np.eye(self.motion.q.shape[1])[self.joint]
+        at, only = self.motion, self.only
         link = replace(at, q=at.q - turned * only, dq=at.dq - speed * only, ddq=at.ddq - rise * only)
         columns = self.still.copy()
-        columns[:, :, self.inertial] = self._smooth(self.bare.columns(link)[:, :, self.inertial])
+        columns[:, :, self.inertial] = self.one.smooth_columns(self.bare.columns(link)[:, :, self.inertial])
         known = columns @ carrying(self.model, at, np.zeros(len(linear)))
         return columns[:, :, : len(linear)], self.one.torque - known
 
@@ -213,7 +207,8 @@ def _left(
     links: Sequence[_Link], count: int, compliance: float, scale: Float, linear: Float, rounds: int = ROUNDS
 ) -> list[Float]:
     """Residual (J, K) of every recording at the numbers that fit the first `count` best."""
-    free = np.array([entry.term != links[0].term.name for entry in links[0].model.parameters])
+    own = f"{ENTRY}:{links[0].model.joint_names[links[0].joint]}"
+    free = np.array([entry.term != own for entry in links[0].model.parameters])
     linear = np.where(free, linear, 0.0)  # the twist is not in the model a second time
     weights = [link.one.used / scale[:, None] ** 2 for link in links[:count]]
     for _ in range(rounds):
@@ -224,7 +219,7 @@ def _left(
     return [wanted - columns @ linear for columns, wanted in pairs]
 
 
-def twist(load: Float, rigid: Float, slopes: tuple[Float, Float, Float], compliance: float, rate: float) -> Float:
+def twist(load: Float, rigid: Float, slopes: Sequence[Float] | Float, compliance: float, rate: float) -> Float:
     """Return the twist (N,) that both the measured `load` (N,) and the link's equation of motion want.
 
     `rigid` (N,) is the rigid-body torque at the encoder's motion, `slopes` its derivatives (N,) by angle, velocity and

@@ -83,13 +83,8 @@ class Strides(AsJson):
         return over_the_stride(self.phase, *lines, self.joints, self.stance)
 
     def _json(self) -> dict[str, Any]:
-        return {
-            "count": self.count, "seconds": self.seconds, "shortest": self.shortest, "longest": self.longest,
-            "joint": self.joint, "middle": self.middle, "stance": self.stance, "again": self.again,
-            "apart": self.apart, "error_apart": self.error_apart, "phase": self.phase, "measured": self.measured,
-            "measured_band": self.measured_band, "model": self.model, "error": self.error,
-            "error_band": self.error_band, "sentence": self.sentence,
-        }  # fmt: skip
+        told = {name: getattr(self, name) for name in ("apart", "error_apart", "sentence")}
+        return {name: value for name, value in super()._json().items() if name != "joints"} | told
 
 
 def strides_of(fitted: FittedModel) -> Strides | None:

@@ -10,17 +10,13 @@ import numpy as np
 
 from exoid.diagnosis.evidence.curves import split_variable, variables
 from exoid.diagnosis.evidence.remainder import Remainder, Suggestion
-from exoid.ground.ties import ascending, index_of_least, least_of
+from exoid.ground.ties import ascending, index_of_least
 from exoid.symbolic.motion import Float
 
 PLACES, WIDTHS = np.linspace(0.02, 0.98, 25), np.geomspace(0.01, 0.9, 9)
 """Where between its bounds a number is tried first: the place of a curve, and its width."""
-STEP = 1e-6
-"""Step of a derivative, as a share of the room between the bounds."""
-ROUNDS, SETTLED = 60, 1e-9
-"""Steps at most, and the relative fall of the sum of squares below which they end."""
-EASIEST, HARDEST = 1e-12, 1e12
-"""Damping between which a step is looked for."""
+ABOUT, FINER, ROUNDS = np.linspace(-0.1, 0.1, 7), 0.7, 40
+"""Where about the best one numbers are tried next, how much nearer every time, and how many times."""
 
 
 def suggest(one: Remainder) -> tuple[Suggestion, ...]:
@@ -66,46 +62,16 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
 
 def _least_squares(misfit: Callable[[Float], Float], low: Float, high: Float) -> tuple[Float, float]:
     """Point between `low` and `high` (S,) where the sum of squares of `misfit`, which takes (S, ...), is lowest, and
-    that sum.
-
-    From the best of a grid at narrow, middling and wide widths. SciPy's `least_squares` is the check on it in the
-    tests: importing it takes a quarter of a search.
+    that sum: the best of a grid over all of it, then of finer and finer ones about the best.
     """
-    parts = (slice(k, k + 3) for k in (0, 3, 6)) if len(low) > 1 else (slice(0, 1),)
-    valleys = []
-    for part in parts:
-        grid = np.array(list(itertools.product(PLACES, WIDTHS[part])))[:, : len(low)] * (high - low) + low
-        start = grid[index_of_least(np.sum(misfit(grid.T) ** 2, axis=1))]
-        valleys.append(_valley(misfit, start, low, high))
-    return least_of(valleys, lambda found: found[1])
-
-
-def _valley(misfit: Callable[[Float], Float], start: Float, low: Float, high: Float) -> tuple[Float, float]:
-    """Return the lowest place of a valley by Levenberg and Marquardt's method, and the sum of squares there; a number
-    at a bound beyond which the sum falls stays there.
-    """
-    at, room = start, high - low
-    here = misfit(at)
-    damping, least = 1e-3, float(here @ here)
-    for _ in range(ROUNDS):
-        steps = np.where(at + STEP * room <= high, STEP, -STEP) * room
-        slopes = (misfit((at + np.diag(steps)).T) - here) / (steps / room)[:, None]
-        down = -slopes @ here
-        free = ~(((at <= low) & (down < 0.0)) | ((at >= high) & (down > 0.0)))
-        gram, before = (slopes @ slopes.T)[np.ix_(free, free)], least
-        while damping <= HARDEST and free.any():
-            held = gram + damping * np.diag(np.maximum(np.diag(gram), 1e-300))
-            trial = at.copy()
-            trial[free] += room[free] * np.linalg.solve(held, down[free])
-            trial = np.clip(trial, low, high)
-            there = misfit(trial)
-            damping *= 10.0
-            if float(there @ there) < least:
-                at, here, least, damping = trial, there, float(there @ there), max(0.01 * damping, EASIEST)
-                break
-        if before - least <= SETTLED * before:
-            break
-    return at, least
+    tried = np.array(list(itertools.product(PLACES, WIDTHS)))[:, : len(low)]
+    about = np.array(list(itertools.product(*[ABOUT] * len(low))))
+    for k in range(ROUNDS):
+        squares = np.sum(misfit((low + tried * (high - low)).T) ** 2, axis=1)
+        best = index_of_least(squares)
+        at, left = tried[best], float(squares[best])
+        tried = np.clip(at + FINER**k * about, 0.0, 1.0)
+    return low + at * (high - low), left
 
 
 def _word(one: Remainder) -> str:

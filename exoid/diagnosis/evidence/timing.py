@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.ties import index_of_least, least_of
+from exoid.ground.ties import least_of
 from exoid.measurement.signals.masks import Mask, straight_columns
 from exoid.measurement.signals.spikes import spikes
 from exoid.symbolic.language.torque import is_transform
@@ -25,10 +25,8 @@ LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
 """Time constants of a filter of first order on the torque that are tried, s."""
 FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
 """Delays and time constants in s that are tried where a delay was found."""
-ALIKE = (0.003, 0.0065, 0.013, 0.03, 0.12)
-"""Time constants in s of which the nearest tells the spikes that a filter smeared: where its inverse steepens much, it
-is the same samples whatever the constant.
-"""
+SLOW = 0.1
+"""Time constant in s by which spikes that a filter smeared are told: whatever it was, its inverse steepens much."""
 
 
 def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
@@ -39,11 +37,9 @@ def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
     ):
         return None
     readings, joints = _Readings(base), np.isfinite(share)
-    found = readings.best(joints, rules)
-    if found is None and joints.sum() > 1:  # the channel of one joint alone
-        late = np.flatnonzero(joints & (np.nan_to_num(share) > rules.least_share))
-        alone = (readings.best(np.arange(len(share)) == joint, rules) for joint in late)
-        found = next((item for item in alone if item is not None), None)
+    alone = np.eye(len(share), dtype=bool)[np.nan_to_num(share) > rules.least_share]
+    best = (readings.best(which, rules) for which in (joints, *alone))  # all channels, or that of one joint
+    found = next((item for item in best if item is not None), None)
     if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
         return None
     return _wrong_timing(base, found, int(joints.sum()))
@@ -154,7 +150,6 @@ class _Readings:
 
     def __init__(self, base: FittedModel) -> None:
         self.train = base.prepared.train
-        self.known_spikes: dict[tuple[int, float], Mask] = {}
         raw, known = zip(*map(base.unfiltered, range(len(self.train))), strict=True)
         self.known = [each.T for each in known]
         parts = [p.smooth_columns(x) for p, x in zip(self.train, raw, strict=True)]
@@ -162,6 +157,11 @@ class _Readings:
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
         flat = self.columns.reshape(-1, self.columns.shape[2])
         self.solve = inverse_of(flat.T @ flat) @ flat.T
+
+    @cached_property
+    def smeared(self) -> list[Mask]:
+        """Spikes (N, J) of the torques of each recording before a filter."""
+        return [spikes(_without_lag(p.wide_tau, SLOW * p.rate), p.rate) for p in self.train]
 
     @cached_property
     def now(self) -> Float:
@@ -177,22 +177,22 @@ class _Readings:
         """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them, or
         where no fitted torque shows them.
         """
-        if not self.now[which].sum() > 0.0:
+        now, little = self.now[which], rules.little
+        near = [
+            (kind, *least_of(tried.items(), lambda item: item[1][which].sum())) for kind, tried in self.coarse.items()
+        ]
+        fine = {
+            (kind, factor * value): self.left(kind, factor * value, which)[which]
+            for kind, value, left in near
+            for factor in (0.8, 0.9, 1.0, 1.12, 1.25)
+            if left[which].sum() <= 2.0 * little * now.sum()
+        }
+        if not now.sum() > 0.0 or not fine:
             return None
-        most = rules.little * self.now[which].sum()
-        fine: list[tuple[str, float]] = []
-        for kind, tried in self.coarse.items():
-            place = list(tried)[index_of_least([left[which].sum() for left in tried.values()])]
-            if tried[place][which].sum() <= 2.0 * most:
-                fine += [(kind, factor * place) for factor in (0.8, 0.9, 1.0, 1.12, 1.25)]
-        if not fine:
+        (kind, value), left = least_of(fine.items(), lambda item: item[1].sum())
+        if left.sum() > little * now.sum() or np.any(left > 2.0 * little * now):
             return None
-        least, kind, value, alike = min(
-            (float(left[which].sum()), *item, bool(np.all(left[which] <= 2.0 * rules.little * self.now[which])))
-            for item in fine
-            for left in [self.left(*item, which)]
-        )
-        return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
+        return _Reading(kind, value, float(left.sum() / now.sum()), which)
 
     def left(self, kind: str = "", seconds: float = 0.0, which: np.ndarray | None = None) -> Float:
         """Return the share (J,) of its variance that a fit leaves of each torque if those of `which` are changed."""
@@ -200,7 +200,7 @@ class _Readings:
         linear = self.solve @ (tau * self.use).ravel()
         square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
         size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])
-        return np.where(size > 0.0, square / np.where(size > 0.0, size, 1.0), 0.0)
+        return np.divide(square, size, out=np.zeros(len(size)), where=size > 0.0)
 
     def _read(self, index: int, kind: str, seconds: float, which: np.ndarray | None) -> Float:
         recording = self.train[index]
@@ -208,14 +208,6 @@ class _Readings:
             return recording.torque - recording.smooth(self.known[index])
         changed = CHANGES[kind][0](recording.wide_tau, seconds * recording.rate)
         if kind == "lag":
-            nearest = ALIKE[int(np.argmin(np.abs(np.log(seconds / np.array(ALIKE)))))]
-            changed = straight_columns(changed, self._spoilt(index, nearest))
+            changed = straight_columns(changed, self.smeared[index])
         changed = changed if which is None else np.where(which, changed, recording.wide_tau)
         return recording.smooth(changed - self.known[index])
-
-    def _spoilt(self, index: int, seconds: float) -> Mask:
-        """Spikes (N, J) of a recording's torques before a filter with this time constant."""
-        if (index, seconds) not in self.known_spikes:
-            tau, rate = self.train[index].wide_tau, self.train[index].rate
-            self.known_spikes[index, seconds] = spikes(_without_lag(tau, seconds * rate), rate)
-        return self.known_spikes[index, seconds]
