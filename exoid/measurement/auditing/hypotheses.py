@@ -37,6 +37,7 @@ TURNING = threshold(
     "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
 )  # fmt: skip
 LOAD = "load-torque"
+"""The convention of which all torques have the other sign."""
 SUMMED = (1, 0, -1, 2, -2)
 """How often a recorded torque counts in a joint's, the usual first."""
 RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
@@ -128,7 +129,8 @@ def _groups_of_names(joints: tuple[Joint, ...]) -> list[list[str]]:
             found.setdefault(_group(convention, len(joints)), []).append(name)
     if not is_leg(joints):
         return list(found.values())
-    return sorted((names[::-1] for names in found.values()), key=lambda names: names[0] != LOAD)  # of its usual names
+    # Of readings with several sets of names the first is told, and a leg's has the usual ones in this order.
+    return sorted((names[::-1] for names in found.values()), key=lambda names: names[0] != LOAD)
 
 
 def _group(item: Convention, joints: int) -> object:
