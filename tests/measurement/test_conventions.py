@@ -11,7 +11,7 @@ import pytest
 from exoid.ground.errors import RecordingError
 from exoid.measurement.auditing import convention, power_left
 from exoid.measurement.auditing.convention import better_reading, check_conventions
-from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis, readings, stages
+from exoid.measurement.auditing.hypotheses import hypothesis, readings, stages
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.reading.conventions import combined_map, conventions, read_as
 from exoid.measurement.recording import Recording
@@ -278,11 +278,11 @@ def test_a_gear_is_looked_for_where_an_angle_turns_far(ratio, named):
 def shares(*powers):
     """What a reading leaves that explains nothing of torques of these powers (K,)."""
     count = len(powers)
-    sums = power_left._Sums(
+    sums = power_left.Sums(
         np.ones((count, count, count, 1, 1)) * np.eye(count)[None, :, :, None, None],
-        np.zeros((count, count, 1)), np.array(powers),
+        np.zeros((count, 1, count, 1)), np.array(powers)[:, None], np.ones((count, count), dtype=bool),
     )  # fmt: skip
-    return float(power_left._shares([sums], np.eye(count)[None], np.inf)[0])
+    return float(power_left.shares_left([sums], np.eye(count)[None])[0])
 
 
 @pytest.mark.parametrize(("size", "counts"), [(0.12, 1.0), (0.08, 0.64), (0.025, 0.0625), (0.015, 0.000225)])
@@ -292,14 +292,10 @@ def test_the_noise_of_a_light_joint_chooses_no_reading(size, counts):
 
 
 @pytest.mark.parametrize(("deviation", "moves"), [(0.007, False), (0.014, True)])
-def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, moves, monkeypatch):
-    seen = []
-    monkeypatch.setattr(power_left, "_sums", lambda group, moving, to: seen.append(moving[0].tolist()))
-    monkeypatch.setattr(power_left, "_shares", lambda sums, torques, most: np.zeros(len(torques)))
+def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, moves):
     q = np.column_stack([np.sin(np.arange(400.0)), deviation * np.sqrt(2.0) * np.sin(np.arange(400.0))])
-    one = Smooth(q, q, q, q, 0.01, slice(None))
-    power_left.power_left([[one]], [ConventionHypothesis((), combined_map(()))])
-    assert seen == [[True, moves]]
+    (sums,) = power_left.sums_as_they_stand([[Smooth(q, q, q, q, 0.01, slice(None), np.ones(400, dtype=bool))]])
+    assert (sums.power[:, 0] > 0.0).tolist() == [True, moves]
 
 
 @pytest.mark.parametrize(("plain", "named"), [(0.013, 1), (0.017, 2)])
@@ -319,7 +315,7 @@ def _readings(monkeypatch, left, hip=1.0):
     """Let a motion whose hip torque varies by `hip` times the knee's leave so much so read, and 0.5 as it stands."""
     kinds = [hypothesis(list(names)) for names in left]
     q = np.column_stack([np.sin(np.arange(400.0)), np.sin(np.arange(400.0))])
-    one = Smooth(q, q, q, q * [hip, 1.0], 0.01, slice(None))
+    one = Smooth(q, q, q, q * [hip, 1.0], 0.01, slice(None), np.ones(400, dtype=bool))
     monkeypatch.setattr(convention, "smoothed_groups", lambda recordings, weighs, *more: [[one]])
     monkeypatch.setattr(convention, "_stands", lambda sets: 0.5)
     monkeypatch.setattr(convention, "stages", lambda now, turning, joints, still, several: [lambda best: kinds])

@@ -180,7 +180,7 @@ def _quiet_part(windows: Windows, rules: Rules) -> tuple[Float, NDArray[np.bool_
     best = trimmed(windows, _solved)
     if best is None:
         return None
-    x, quiet = _settled(windows, best.x, _lower)
+    x, quiet = _settled(windows, best[0], _lower)
     x, quiet = _settled(windows, x, lambda losses: losses <= rules.robust**2 * np.median(losses[_lower(losses)]))
     return (x, quiet) if LEAST < quiet.mean() < 1.0 - SELDOM else None
 

@@ -9,8 +9,9 @@ stand are not explained better still for part of the time (`in_part.py`): a foot
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,12 +27,12 @@ from exoid.measurement.auditing.hypotheses import (
     RATIOS,
     ConventionHypothesis,
     cost_of,
-    geared,
     hypothesis,
     stages,
     turning_joints,
+    with_ratios,
 )
-from exoid.measurement.auditing.in_part import acts_in_part
+from exoid.measurement.auditing.in_part import left_in_part
 from exoid.measurement.auditing.power_left import power_left, quiet_torques, smoothed_groups, undone
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
@@ -39,7 +40,7 @@ from exoid.measurement.reading.conventions import combined_map, conventions
 from exoid.measurement.reading.registers import COUNTED
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
-from exoid.symbolic.joints import Joint, Vector, is_leg, is_spatial, machine_word, parents
+from exoid.symbolic.joints import Vector, is_leg, is_spatial, machine_word, parents
 
 CHECK, SIGN = "convention", "sign"
 CHECKS = (CHECK, SIGN)
@@ -102,28 +103,26 @@ def check_conventions(
     """
     if not all(map(_known, recordings)):
         return ()
-    sets, every = smoothed_groups(recordings, weighs, forces), [*beside, *recordings]
+    smoothed = partial(smoothed_groups, weighs=weighs, forces=forces)
+    sets, every = smoothed(recordings), [*beside, *recordings]
     if not sets or _stands(sets) < LEAST:
         return ()
-    together = _stands(smoothed_groups(every, weighs, forces))
+    together = _stands(smoothed(every)) if beside else _stands(sets)
     if together < LEAST:
         return ()
     found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces, likely))
-    found = _with_counts(recordings, sets, found)
+    asked = [(recordings, found)]
     if found is None and len(recordings) > 1:
-        alone = ((item, better_reading([item], weighs, forces)) for item in _odd(recordings, weighs, forces))
-        return tuple(
-            _finding([entry], better, f"{_file(entry)}=")
-            for entry, better in alone
-            if better is not None
-            and _stands(_read_so(every, [entry], better, weighs, forces)) < together
-            and not _only_in_part([entry], better, smoothed_groups([entry], weighs, forces))
-        )
-    if found is None or _only_in_part(recordings, found, sets):
-        return ()
-    if beside and _stands(_read_so(every, recordings, found, weighs, forces)) >= together:
-        return ()
-    return (_finding(recordings, found),)
+        asked = [([item], better_reading([item], weighs, forces)) for item in _odd(recordings, smoothed)]
+    findings = []
+    for some, better in asked:
+        if better is None or _only_in_part(some, better, smoothed(some)):
+            continue
+        others = len(every) > len(some)
+        read = [_read_so(item, better.reading) if item in some else item for item in every] if others else []
+        if not others or _stands(smoothed(read)) < together:
+            findings.append(_finding(some, better, f"{_file(some[0])}=" if found is None else ""))
+    return tuple(findings)
 
 
 def _with_zeros(
@@ -146,31 +145,13 @@ def _with_zeros(
     return found if same else Better(reading, now, left, (found.reading,))
 
 
-def _with_counts(
-    recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]], found: Better | None
-) -> Better | None:
-    """Return the reading `found` with the angles of encoders alone counted otherwise, where that fits as well as gears
-    do: how many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
-    """
-    counted = {recordings[0].joints[k].name for k in counted_joints(recordings)}
-    geared = [] if found is None else [entry.name for entry in found.reading.names if "-motor=" in entry.name]
-    if found is None or not geared or not counted.issuperset(name.partition("-motor=")[0] for name in geared):
-        return found
-    names = [item.name.replace("-motor=", "-motor-angle=") for item in found.reading.names]
-    reading = hypothesis(names, recordings[0].joints)
-    left = float(power_left(sets, [reading])[0])
-    return replace(found, reading=reading, then=left) if left < AS_GOOD * found.then else found
-
-
-def _odd(
-    recordings: Sequence[Recording], weighs: float | Vector, forces: tuple[Force, ...] | None
-) -> Sequence[Recording]:
+def _odd(recordings: Sequence[Recording], smoothed: Callable[..., list[list[Smooth]]]) -> Sequence[Recording]:
     """Return the recordings that may keep conventions of their own: in space, where asking takes long, those that leave
     far more than another one.
     """
     if not is_spatial(recordings[0].joints):
         return recordings
-    left = [_stands(sets) if (sets := smoothed_groups([item], weighs, forces)) else 0.0 for item in recordings]
+    left = [_stands(sets) if (sets := smoothed([item])) else 0.0 for item in recordings]
     return [item for item, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
 
 
@@ -181,7 +162,8 @@ def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequenc
     """
     if is_spatial(recordings[0].joints):
         return False
-    return acts_in_part(sets, _as_in_the_files(recordings, sets), better.reading)
+    stands = left_in_part(sets, hypothesis((), recordings[0].joints))
+    return stands is not None and stands < (left_in_part(_as_in_the_files(recordings, sets), better.reading) or 0.0)
 
 
 def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:
@@ -190,22 +172,11 @@ def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Sm
     return [[undone(motion, *kept) if len(kept) == 1 else motion for motion in group] for group in sets]
 
 
-def _read_so(
-    recordings: Sequence[Recording],
-    odd: Sequence[Recording],
-    better: Better,
-    weighs: float | Vector,
-    forces: tuple[Force, ...] | None,
-) -> list[list[Smooth]]:
-    """Return all recordings smoothed, of which those that are `odd` are read in another way."""
-
-    def other(item: Recording) -> Recording:
-        kept = combined_map(conventions(item.conventions, item.joints), item.joints)
-        q, tau = better.reading.map.applied(*kept.undone(item.q, item.tau))
-        return replace(item, q=q, tau=tau, dq=None, ddq=None)
-
-    strange = {id(item) for item in odd}
-    return smoothed_groups([other(item) if id(item) in strange else item for item in recordings], weighs, forces)
+def _read_so(item: Recording, reading: ConventionHypothesis) -> Recording:
+    """Return a recording whose file is read in another way."""
+    kept = combined_map(conventions(item.conventions, item.joints), item.joints)
+    q, tau = reading.map.applied(*kept.undone(item.q, item.tau))
+    return replace(item, q=q, tau=tau, dq=None, ddq=None)
 
 
 def _known(recording: Recording) -> bool:
@@ -292,8 +263,10 @@ def better_reading(
     if best > enough:
         return None
     as_good = [k for k in range(len(kinds)) if left[k] <= AS_GOOD * best]
-    few = min(cost_of(kinds[k]) for k in as_good)
-    chosen = ascending((k for k in as_good if cost_of(kinds[k]) == few), lambda k: left[k], 1.0)
+    # How many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
+    counted = {f"{joints[k].name}-motor" for k in counted_joints(recordings)}
+    cost = {k: cost_of(kinds[k]) + any(c.name.partition("=")[0] in counted for c in kinds[k].names) for k in as_good}
+    chosen = ascending((k for k in as_good if cost[k] == min(cost.values())), lambda k: left[k], 1.0)
     others = tuple(kinds[k] for k in chosen[1:4])
     if any(name.name.count("-motor") for name in kinds[chosen[0]].names):
         return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())
@@ -316,38 +289,19 @@ def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
 
 
 def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> ConventionHypothesis:
-    """Return a reading with gears whose ratio is searched between its neighbours on the grid."""
+    """Return a reading with its gear ratios as near as they are known: whole numbers of two digits if these fit as
+    well.
+    """
     joints = sets[0][0].joints
-
-    def at(change: float) -> ConventionHypothesis:
-        names = []
-        for old in one.names:
-            stem, equals, ratio = old.name.partition("=")
-            names.append(geared(stem, float(ratio) * change, joints) if equals else old)
-        return ConventionHypothesis(tuple(names), combined_map(names, joints))
-
     step = float(np.log(RATIOS[-1] / RATIOS[-2]))
     grid = np.linspace(-step, step, 41)
 
     def share(x: float) -> float:
-        return float(power_left(sets, [at(float(np.exp(x)))])[0])
+        return float(power_left(sets, [with_ratios(one, lambda ratio: ratio * np.exp(x), joints)])[0])
 
     left = [share(float(x)) for x in grid]
     near, wide = float(grid[index_of_least(left, 1.0)]), float(grid[1] - grid[0])
     change, least = minimum(share, near - wide, near + wide, 1e-5)
-    best = at(float(np.exp(change)))
-    rounded = _rounded(best, joints)
+    best = with_ratios(one, lambda ratio: ratio * np.exp(change), joints)
+    rounded = with_ratios(best, lambda ratio: float(f"{ratio:.2g}" if ratio > 10 else round(ratio)), joints)
     return rounded if power_left(sets, [rounded])[0] <= AS_GOOD * least else best
-
-
-def _rounded(one: ConventionHypothesis, joints: tuple[Joint, ...]) -> ConventionHypothesis:
-    """Return a reading whose gear ratios are whole numbers, of two digits at most."""
-    names = []
-    for old in one.names:
-        stem, equals, ratio = old.name.partition("=")
-        names.append(
-            geared(stem, float(f"{float(ratio):.2g}") if float(ratio) > 10 else round(float(ratio)), joints)
-            if equals
-            else old
-        )
-    return ConventionHypothesis(tuple(names), combined_map(names, joints))

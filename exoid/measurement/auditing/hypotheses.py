@@ -12,7 +12,6 @@ import numpy as np
 from exoid.ground.thresholds import threshold
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.reading.conventions import (
-    MOTORS,
     Convention,
     Map,
     combined_map,
@@ -37,6 +36,8 @@ TURNING = threshold(
     __name__, "TURNING", 2.5,
     "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
 )  # fmt: skip
+LOAD = "load-torque"
+"""The convention of which all torques have the other sign."""
 SUMMED = (1, 0, -1, 2, -2)
 """How often a recorded torque counts in a joint's, the usual first."""
 RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
@@ -76,53 +77,42 @@ def stages(
     """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
     they stand leave very much (`now`), degrees and all combinations too. Of many joints there are too many readings:
     the best of one name are given a second one, and so on, only then. On a base that is not `still` the machine
-    mirrored is another one. Sums of torques are asked of `several` recordings only: some fit any single one.
+    mirrored is another one. Sums of torques are asked of `several` recordings only: some fit any single one. In space
+    every pair of signs and zeros is tried: of two wrong zeros one put right may look no better than none.
     """
-    if is_spatial(joints):
-        yield from _stages_in_space(now, turning, joints)
-        return
-    all_tried = len(joints) <= FEW_JOINTS
+    spatial, very = is_spatial(joints), now > WRONG
+    all_tried = len(joints) <= FEW_JOINTS and not spatial
+
+    def longer(best: Sequence[ConventionHypothesis]) -> Sequence[ConventionHypothesis]:
+        return _extended(best[:BEAM_IN_SPACE] if spatial else best, joints, still)
+
     yield lambda best: readings(FEW if all_tried else 1, joints, still)
-    if now > WRONG and not all_tried:
-        yield lambda best: _extended(best, joints, still)
-    yield lambda best: [*(_in_degrees(joints, still) if now > WRONG else ()), *_geared_readings(turning, joints)]
-    if now > WRONG and all_tried:
+    if very and not (all_tried or spatial):
+        yield longer
+    yield lambda best: [*(_in_degrees(joints, still) if very else ()), *_geared(turning, joints)]
+    if spatial:
+        own = [group for group in _groups_of_names(joints) if not group[0].startswith("swapped-")]
+        yield lambda best: [hypothesis(names, joints) for names in _chosen(own, FEW) if len(names) == FEW]
+    if very and all_tried:
         yield lambda best: [reading for reading in readings(MOST, joints, still) if len(reading.names) > FEW]
-    if now > WRONG and not all_tried:
-        for _ in range(MOST - FEW):
-            yield lambda best: _extended(best, joints, still)
-    if now > WRONG and several and len(joints) == FEW_JOINTS:
+    elif very or spatial:
+        yield from (longer,) * (MOST - FEW)
+    if very and several and len(joints) == FEW_JOINTS and not spatial:
         yield lambda best: _of_two_drives(joints, still)
-
-
-def _stages_in_space(now: float, turning: Sequence[int], joints: tuple[Joint, ...]) -> Iterator[Stage]:
-    """Yield the same for a spatial machine: every pair of signs and zeros too, since of two wrong zeros one put right
-    may look no better than none.
-    """
-    yield lambda best: readings(1, joints, False)
-    # Links share their numbers with those that carry them, so that a torque of another size alone is seen.
-    torques = [k for k, joint in enumerate(joints) if joint.turns]
-    geared = [*_geared_readings(turning, joints), *_geared(torques, "torque", joints)]
-    yield lambda best: [*(_in_degrees(joints, False) if now > WRONG else ()), *geared]
-    own = [group for group in _groups_of_names(joints) if not group[0][0].startswith("swapped-")]
-    pairs = (hypothesis(names, joints) for names in _chosen(own, FEW) if len(names) == FEW)
-    yield lambda best: list(pairs)
-    for _ in range(MOST - FEW):
-        yield lambda best: _extended(best[:BEAM_IN_SPACE], joints, False)
 
 
 def _extended(
     best: Sequence[ConventionHypothesis], joints: tuple[Joint, ...], still: bool
 ) -> Sequence[ConventionHypothesis]:
     """Return `best` with one name more each, mirrored ones once."""
-    found: dict[tuple[float, ...], ConventionHypothesis] = {_key(entry.map, joints, still): entry for entry in best}
-    known = set(found)
-    for item, group in product(best, _groups_of_names(joints)):
-        if not any(named.name in option for named in item.names for option in group):
-            for option in group:
-                longer = hypothesis((*(named.name for named in item.names), *option), joints)
-                found.setdefault(_key(longer.map, joints, still), longer)
-    return [element for key, element in found.items() if key not in known]
+    pairs = (
+        (item, name)
+        for item, group in product(best, _groups_of_names(joints))
+        if not any(named.name in group for named in item.names)
+        for name in group
+    )
+    longer = (hypothesis((*(named.name for named in item.names), name), joints) for item, name in pairs)
+    return _distinct(longer, joints, still, best)
 
 
 def turning_joints(sets: Sequence[Sequence[Smooth]]) -> list[int]:
@@ -131,39 +121,25 @@ def turning_joints(sets: Sequence[Sequence[Smooth]]) -> list[int]:
     return [k for k, joint in enumerate(sets[0][0].joints) if joint.turns and reach[k] > TURNING]
 
 
-Options = list[tuple[str, ...]]
-LEG_OPTIONS: tuple[Options, ...] = (
-    [("swapped-joints",), ("swapped-torques",), ("swapped-angles",)],
-    [("flexion-positive",), ("hip-extension-positive",)],
-    [("hip-angle-negated",), ("knee-angle-negated",)],
-    [("knee-torque-negated",), ("hip-torque-negated",), ("load-torque",)],
-    [("hip-from-upright",), ("hip-from-horizontal",), ("hip-from-horizontal-backwards",)],
-    [("included-knee-angle",), ("shank-from-horizontal",), ("shank-from-horizontal-backwards",)],
-    [("absolute-shank",)],
-    [("base-driven-shank",)],
-)
-"""Names of which one reading has at most one each."""
-
-
-def _groups_of_names(joints: tuple[Joint, ...]) -> Sequence[Options]:
+def _groups_of_names(joints: tuple[Joint, ...]) -> list[list[str]]:
     """Return the names of a machine's conventions, in groups of which one reading has at most one each."""
-    if is_leg(joints):
-        return LEG_OPTIONS
-    found: dict[str, Options] = {}
+    found: dict[object, list[str]] = {}
     for name, convention in conventions_of_machine(joints).items():
         if name != "degrees":
-            found.setdefault(_group(name, convention.order, joints), []).append((name,))
-    return list(found.values())
+            found.setdefault(_group(convention, len(joints)), []).append(name)
+    if not is_leg(joints):
+        return list(found.values())
+    # Of readings with several sets of names the first is told, and a leg's has the usual ones in this order.
+    return sorted((names[::-1] for names in found.values()), key=lambda names: names[0] != LOAD)
 
 
-def _group(name: str, order: int, joints: Sequence[Joint]) -> str:
+def _group(item: Convention, joints: int) -> object:
     """Return a key that conventions share which exclude each other: all channels once, a joint's sign, its zero."""
-    if order == 0 or name == "load-torque" or name.partition("-")[0] == MOTORS:
-        return name.partition("-")[0]
-    if name == "absolute-angles":
-        return name
-    own = next(joint.name for joint in joints if joint.name in name.split("-"))
-    return f"{min(order, 4)} {own} {name.startswith('base-driven')}"
+    if item.order < 2 or item.name in (LOAD, "absolute-angles"):
+        return item.order, item.name if item.order > 1 else ""
+    rows = item.angle or item.torque
+    changed = np.diag(item.zero) if rows is None else np.array(rows) - np.eye(joints)
+    return min(item.order, 4), int(np.max(np.nonzero(changed))), item.order > 3 and item.angle is None
 
 
 @cache
@@ -172,21 +148,31 @@ def readings(most: int = MOST, joints: tuple[Joint, ...] = LEG, still: bool = Tr
     the base is `still`, the simplest name of each.
     """
     possible = [hypothesis(names, joints) for names in _chosen(_groups_of_names(joints), most) if _makes_sense(names)]
-    found: dict[tuple[float, ...], ConventionHypothesis] = {}
-    for item in sorted(possible, key=cost_of):
-        found.setdefault(_key(item.map, joints, still), item)
-    return tuple(found.values())
+    return _distinct(sorted(possible, key=cost_of), joints, still)
 
 
-def _chosen(groups: Sequence[Options], most: int) -> Iterator[tuple[str, ...]]:
+def _chosen(groups: Sequence[Sequence[str]], most: int) -> Iterator[tuple[str, ...]]:
     """Yield every choice of at most one of each group, of at most so many in all."""
-    if not groups:
+    if not groups or not most:
         yield ()
         return
-    for option in ((), *groups[0]):
-        if len(option) <= most:
-            for rest in _chosen(groups[1:], most - len(option)):
-                yield option + rest
+    yield from _chosen(groups[1:], most)
+    for name in groups[0]:
+        yield from ((name, *rest) for rest in _chosen(groups[1:], most - 1))
+
+
+def _distinct(
+    items: Iterable[ConventionHypothesis],
+    joints: tuple[Joint, ...],
+    still: bool,
+    known: Iterable[ConventionHypothesis] = (),
+) -> tuple[ConventionHypothesis, ...]:
+    """Return the first of all `items` that read alike, mirrored where the base is `still`, without those `known`."""
+    seen = {_key(item.map, joints, still) for item in known}
+    found: dict[tuple[float, ...], ConventionHypothesis] = {}
+    for item in items:
+        found.setdefault(_key(item.map, joints, still), item)
+    return tuple(item for key, item in found.items() if key not in seen)
 
 
 def _makes_sense(names: tuple[str, ...]) -> bool:
@@ -196,7 +182,11 @@ def _makes_sense(names: tuple[str, ...]) -> bool:
 
 def hypothesis(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> ConventionHypothesis:
     """Return the reading of the conventions with these `names`."""
-    chosen = conventions(tuple(names), joints)
+    return reading_of(conventions(tuple(names), joints), joints)
+
+
+def reading_of(chosen: tuple[Convention, ...], joints: tuple[Joint, ...]) -> ConventionHypothesis:
+    """Return the reading of the conventions `chosen`, in the order of application."""
     return ConventionHypothesis(chosen, combined_map(chosen, joints))
 
 
@@ -235,40 +225,41 @@ def _of_two_drives(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHy
     """
     if joints[0].turns != joints[1].turns:
         return ()
-    known = {_key(item.map, joints, still) for item in readings(MOST, joints, still)}
     angles = [item.names for item in readings(1, joints, still) if all(name.torque is None for name in item.names)]
-    found: dict[tuple[float, ...], ConventionHypothesis] = {}
-    for names, times in product(angles, product(SUMMED, repeat=4)):
-        if abs(times[0] * times[3] - times[1] * times[2]) in (1, 2):
-            chosen = sorted((torque_sums((times[:2], times[2:]), joints), *names), key=lambda one: one.order)
-            item = ConventionHypothesis(tuple(chosen), combined_map(chosen, joints))
-            if (key := _key(item.map, joints, still)) not in known:
-                found.setdefault(key, item)
-    return tuple(found.values())
+    chosen = [
+        sorted((torque_sums((times[:2], times[2:]), joints), *names), key=lambda one: one.order)
+        for names, times in product(angles, product(SUMMED, repeat=4))
+        if abs(times[0] * times[3] - times[1] * times[2]) in (1, 2)
+    ]
+    items = (reading_of(tuple(names), joints) for names in chosen)
+    return _distinct(items, joints, still, readings(MOST, joints, still))
 
 
-def _geared_readings(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
+def _geared(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
     """Return readings on the motor's side of a gear, with the usual signs."""
-    signs = ((), ("flexion-positive",)) if is_leg(joints) else ((),)
-    out = [item for part in ("", "angle") for sign in signs for item in _geared(turning, part, joints, sign)]
+    signs = [conventions(sign, joints) for sign in (("", "flexion-positive") if is_leg(joints) else ("",))]
+    chosen = [
+        (gear(joint, part, float(ratio), joints), *sign)
+        for part, sign, ratio, joint in product(("", "angle"), signs, RATIOS, turning)
+    ]
     if len(turning) > 1:
-        for ratio, part in product(RATIOS, ("", "angle")):
-            names = tuple(gear(joint, part, float(ratio), joints) for joint in turning)
-            out.append(ConventionHypothesis(names, combined_map(names, joints)))
-    return out
+        chosen += [
+            tuple(gear(joint, part, float(ratio), joints) for joint in turning)
+            for ratio, part in product(RATIOS, ("", "angle"))
+        ]
+    if is_spatial(joints):  # links share their numbers with those that carry them: a torque of another size is seen
+        turns = [k for k, joint in enumerate(joints) if joint.turns]
+        chosen += [(gear(joint, "torque", float(ratio), joints),) for ratio, joint in product(RATIOS, turns)]
+    return [reading_of(names, joints) for names in chosen]
 
 
-def _geared(
-    those: Sequence[int], part: str, joints: tuple[Joint, ...], sign: tuple[str, ...] = ()
-) -> list[ConventionHypothesis]:
-    """Return the readings of which one of `those` joints has its `part` on the motor's side of a gear."""
-    chosen = (
-        (gear(joint, part, float(ratio), joints), *conventions(sign, joints))
-        for ratio, joint in product(RATIOS, those)
-    )
-    return [ConventionHypothesis(names, combined_map(names, joints)) for names in chosen]
-
-
-def geared(stem: str, ratio: float, joints: tuple[Joint, ...]) -> Convention:
-    """Return the convention `stem` (hip-motor) with this gear ratio."""
-    return conventions(f"{stem}={ratio:.4f}".rstrip("0").rstrip("."), joints)[0]
+def with_ratios(
+    one: ConventionHypothesis, change: Callable[[float], float], joints: tuple[Joint, ...]
+) -> ConventionHypothesis:
+    """Return the reading `one` with every gear ratio changed."""
+    names = []
+    for item in one.names:
+        stem, _, ratio = item.name.partition("=")
+        geared = "-motor" in stem and ratio
+        names.append(f"{stem}={change(float(ratio)):.4f}".rstrip("0").rstrip(".") if geared else item.name)
+    return hypothesis(names, joints)

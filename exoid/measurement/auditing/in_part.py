@@ -9,26 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
+from exoid.measurement.auditing.hypotheses import ConventionHypothesis
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.rough import Smooth, machine_columns
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
 
 WINDOW = 0.12
 """s, of a window: a swing has several."""
-
-
-def acts_in_part(
-    sets: Sequence[Sequence[Smooth]], held: Sequence[Sequence[Smooth]], reading: ConventionHypothesis
-) -> bool:
-    """True if something that acts in part of the time explains motions as they stand (`sets`) better than another
-    `reading` of what the files hold (`held`) explains them.
-    """
-    stands = left_in_part(sets, hypothesis((), sets[0][0].joints))
-    return stands is not None and stands < (left_in_part(held, reading) or 0.0)
 
 
 def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis) -> float | None:
@@ -39,11 +30,12 @@ def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis
     left, count = 0.0, 0
     for group in sets:
         windows = joined([_windows(motion, reading, scale) for motion in group])
-        best = trimmed(windows, non_negative)
+        best = trimmed(windows, partial(non_negative, either=len(scale)))  # offsets of either sign
         if best is None:
             continue
-        left += float(best.losses[best.chosen].sum())
-        count += best.chosen.size
+        x, chosen = best
+        left += float(windows.losses(x)[chosen].sum())
+        count += chosen.size
     return left / count if count else None
 
 
@@ -52,7 +44,9 @@ def _windows(motion: Smooth, reading: ConventionHypothesis, scale: np.ndarray) -
     rows = slice(motion.keep.start, motion.keep.stop)
     turn, back = reading.map.angle.T, np.linalg.inv(reading.map.torque)
     read = replace(motion, q=motion.q @ turn + reading.map.zero, dq=motion.dq @ turn, ddq=motion.ddq @ turn)
-    columns = np.tensordot(back, machine_columns(read)[:, rows], 1) / np.maximum(scale, 1e-12)[:, None, None]
+    offsets = np.repeat(np.eye(len(back))[:, None], len(motion.q), axis=1)
+    columns = np.concatenate([offsets, machine_columns(read)], axis=2)[:, rows]
+    columns = np.tensordot(back, columns, 1) / np.maximum(scale, 1e-12)[:, None, None]
     tau = ((motion.tau - motion.tau.mean(axis=0))[rows] / np.maximum(scale, 1e-12)).T
     length = max(1, round(WINDOW / motion.step))
     seen = np.broadcast_to(motion.measured[rows], tau.shape)

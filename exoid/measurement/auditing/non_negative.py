@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid.symbolic.motion import Float
 
@@ -11,12 +10,10 @@ ROUNDING = 1e-10
 """Relative slope, and square of a column, up to which a number stays at zero."""
 
 
-def non_negative(
-    gram: Float, slope: Float, positive: NDArray[np.bool_] | None = None, either: int = 0
-) -> Float:
+def non_negative(gram: Float, slope: Float, either: int = 0) -> Float:
     """Return x (P,) ≥ 0 that minimises x·gram·x - 2 x·slope (Lawson, Hanson: Solving least squares problems, 1974).
 
-    `positive` (P,) is a guess which numbers are; the first `either` of them may be negative as well.
+    The first `either` of them may be negative as well.
     """
     size = np.sqrt(np.maximum(np.diagonal(gram), 1e-300))
     gram, slope = gram / np.outer(size, size), slope / size
@@ -30,7 +27,7 @@ def non_negative(
         rest[own] = non_negative(left[np.ix_(own, own)], (slope[either:] - beside.T @ alone)[own])
         return np.asarray(np.concatenate([alone - by_others @ rest, rest]) / size)
     x = np.zeros(slope.size)
-    free = np.zeros(slope.size, dtype=bool) if positive is None else positive.copy()
+    free = np.zeros(slope.size, dtype=bool)
     least = ROUNDING * float(np.abs(slope).max(initial=0.0))
     for _ in range(3 * slope.size):
         while free.any():

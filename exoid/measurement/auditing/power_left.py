@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid.ground.thresholds import threshold
-from exoid.measurement.auditing.hypotheses import ConventionHypothesis
+from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
 from exoid.measurement.reading.conventions import combined_map, conventions
@@ -50,12 +51,7 @@ def smoothed_groups(
     groups: dict[object, list[Smooth]] = {}
     for recording in recordings:
         motion = smooth(recording)
-        reach = [joint.reach for joint in recording.joints]
-        if (
-            motion is not None
-            and np.any(motion.q.std(axis=0) > 0.02 * np.array(reach))
-            and np.any(motion.tau.std(axis=0) > 0.0)
-        ):
+        if motion is not None:
             of = recording.payloads, motion.elsewhere
             groups.setdefault(of, []).append(replace(motion, weighs=weighs, meant=forces))
     return list(groups.values())
@@ -70,23 +66,26 @@ def undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
 
 
 def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis], most: float = np.inf) -> Float:
-    """Return for each reading the share of the torques' power, summed over the joints, that the pendulum leaves.
+    """Return for each reading the share of the torques' power, summed over the joints, that the machine leaves.
 
     Of readings that leave more than `most` a lower bound may be returned instead: that of free least squares.
     """
-    samples = sum(len(range(m.q.shape[0])[m.keep]) for group in sets for m in group)
-    thin = max(1, samples // ROWS)
-    thinned = [[_rows(m, thin) for m in group] for group in sets]
-    stands = STANDS * np.array([joint.reach for joint in sets[0][0].joints])
-    moves = [[m.q[m.keep].std(axis=0) > stands for m in group] for group in sets]
+    rows = _rows(sets)
     alike: dict[bytes, list[int]] = {}
     for k, kind in enumerate(kinds):
         alike.setdefault(np.array([*kind.map.angle.flat, *kind.map.zero, kind.sums]).tobytes(), []).append(k)
     out = np.zeros(len(kinds))
     for places in alike.values():
-        sums = [_sums(group, moving, kinds[places[0]]) for group, moving in zip(thinned, moves, strict=True)]
-        out[places] = _shares(sums, np.stack([kinds[k].map.torque for k in places]), most)
+        sums = [_sums(part, kinds[places[0]]) for part in rows]
+        out[places] = shares_left(sums, np.stack([kinds[k].map.torque for k in places]), most)
     return out
+
+
+def sums_as_they_stand(sets: Sequence[Sequence[Smooth]], delays: Sequence[float] = (0.0,)) -> list[Sums]:
+    """Return the sums of every set, read as it stands, of torques that are late by each of `delays` in s, without
+    stops: what is left of a machine that fits decides, and these explain some of it.
+    """
+    return [_sums(part, hypothesis((), part.motion.joints), stops=False) for part in _rows(sets, delays)]
 
 
 def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
@@ -107,62 +106,95 @@ def _near(joints: Sequence[Joint]) -> NDArray[np.bool_]:
     return near
 
 
-def _rows(motion: Smooth, thin: int) -> Smooth:
-    keep = np.arange(motion.q.shape[0])[motion.keep][::thin]
-    q, dq, ddq, tau = (rows[keep] for rows in (motion.q, motion.dq, motion.ddq, motion.tau))
-    forces = {name: values[keep] for name, values in motion.forces.items()}
-    base = None if motion.base is None else motion.base[keep]
-    seen = motion.measured[keep]
-    return replace(motion, q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen)
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """A few samples of recordings, joined: their `motion`, the `share` (K, N) of each in the mean of torque k, zero
+    where its joint stands or nothing was measured, and the torques `tau` (K, D, N) around that, read with each of D
+    delays.
+    """
+
+    motion: Smooth
+    share: Float
+    tau: Float
+
+
+def _rows(sets: Sequence[Sequence[Smooth]], delays: Sequence[float] = (0.0,)) -> list[_Rows]:
+    thin = max(1, sum(len(range(len(m.q))[m.keep]) for group in sets for m in group) // ROWS)
+    return [_joined(group, thin, delays) for group in sets]
+
+
+def _joined(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> _Rows:
+    joints = group[0].joints
+    reach, kept, seen, tau = np.array([joint.reach for joint in joints]), [], [], []
+    for motion in group:
+        keep = np.arange(len(motion.q))[motion.keep][::thin]
+        tau.append(np.stack([_between(motion.tau.T, keep, delay / motion.step) for delay in delays], axis=1))
+        counts = motion.measured[keep, None] & (motion.q[keep].std(axis=0) > STANDS * reach)
+        # Small numbers of the links choose the reading in space, and what sticks would drown them.
+        seen.append(counts & (np.abs(motion.dq[keep]) > SLOW * reach) if is_spatial(joints) else counts)
+        kept.append(keep)
+
+    def joined(values: Iterable[Float]) -> Float:
+        return np.concatenate([value[keep] for value, keep in zip(values, kept, strict=True)])
+
+    q, dq, ddq = (joined(getattr(motion, name) for motion in group) for name in ("q", "dq", "ddq"))
+    bases = [motion.base for motion in group if motion.base is not None]
+    shared = [name for name in group[0].forces if all(name in motion.forces for motion in group)]
+    forces = {name: joined(motion.forces[name] for motion in group) for name in shared}
+    motion = replace(
+        group[0], q=q, dq=dq, ddq=ddq, base=joined(bases) if len(bases) == len(group) else None, forces=forces
+    )
+    known, torques = np.concatenate(seen).T, np.concatenate(tau, axis=2)
+    share = known / np.maximum(known.sum(axis=1, keepdims=True), 1)
+    torques -= torques @ share[:, :, None]  # constant offsets are nobody's sign
+    torques *= known[:, None]
+    return _Rows(motion, share, torques)
+
+
+def _between(values: Float, keep: NDArray[np.int_], late: float) -> Float:
+    """Return `values` (K, N) at the samples `keep`, so many samples later."""
+    whole = math.floor(late)
+    before, after = (np.take(values, keep + step, axis=1) for step in (whole, math.ceil(late)))
+    return np.asarray(before + (late - whole) * (after - before))
 
 
 @dataclass(frozen=True, eq=False)
-class _Sums:
-    """Sums over the samples of recordings in which the joint of torque k moves: `gram` (K, J, J, P, P) of two joints'
-    columns, or (K, J, P, P) of one's in space, where no reading mixes torques, `slope` (J, K, P) of joint j's columns
-    with torque k, `power` (K,) of the torques around their means. `near` (K, K) says which joints are neighbours (None:
-    all). The first `either` columns may have negative numbers.
+class Sums:
+    """Sums over the samples of recordings in which the joint of torque k moves, all around their means: `gram`
+    (K, J, J, P, P) of two joints' columns, or (K, J, P, P) of one's in space, where no reading mixes torques, `slope`
+    (K, D, J, P) of torque k with joint j's columns and `power` (K, D) of the torques, for each of D delays. `near`
+    (K, K) says which joints are neighbours. The first `either` columns may have negative numbers.
     """
 
     gram: Float
     slope: Float
     power: Float
-    near: NDArray[np.bool_] | None = None
+    near: NDArray[np.bool_]
     either: int = 0
 
 
-def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], kind: ConventionHypothesis) -> _Sums:
-    to = kind.map
-    tau = np.concatenate([motion.tau for motion in group])
-    counts = np.concatenate([item.measured[:, None] & m for m, item in zip(moves, group, strict=True)])
-    apart = is_spatial(group[0].joints)
-    if apart:  # small numbers of the links choose the reading there, and what sticks would drown them
-        slow = SLOW * np.array([joint.reach for joint in group[0].joints])
-        speed = np.abs(np.concatenate([m.dq for m in group]))  # as the file has it: the same samples for all
-        counts = counts & (speed > slow)
-    mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
-    tau = (tau - mean) * counts  # constant offsets are nobody's sign
-    q, dq, ddq = (np.concatenate(parts) for parts in zip(*((m.q, m.dq, m.ddq) for m in group), strict=True))
-    known = [recording.base for recording in group if recording.base is not None]
-    base = np.concatenate(known) if len(known) == len(group) else None
-    turn = to.angle.T
-    shared = [name for name in group[0].forces if all(name in element.forces for element in group)]
-    forces = {name: np.concatenate([entry.forces[name] for entry in group]) for name in shared}
-    q, dq, ddq, seen = q @ turn + to.zero, dq @ turn, ddq @ turn, np.asarray(counts.any(axis=1))
-    elsewhere = kind.sums or group[0].elsewhere
-    whole = replace(
-        group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen, elsewhere=elsewhere
-    )
-    y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
-    flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
-    size, count = y.shape[2], tau.shape[1]
-    if apart:
-        grams = [[part.T @ part for part in y[:, seen]] for seen in counts.T]
-    else:
-        whole_grams = (part.T @ part for part in (flat[seen] for seen in counts.T))
-        grams = [gram.reshape(count, size, count, size).transpose(0, 2, 1, 3) for gram in whole_grams]
-    slope = (flat.T @ tau).reshape(count, size, count).transpose(0, 2, 1)
-    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0), _near(whole.joints), either_sign(whole))
+def _sums(rows: _Rows, kind: ConventionHypothesis, stops: bool = True) -> Sums:
+    motion, turn = rows.motion, kind.map.angle.T
+    q, dq, ddq = motion.q @ turn + kind.map.zero, motion.dq @ turn, motion.ddq @ turn
+    read = replace(motion, q=q, dq=dq, ddq=ddq, elsewhere=kind.sums or motion.elsewhere)
+    y = machine_columns(read)
+    y = np.concatenate([y, _stops(q)], axis=2) if stops else y
+    joints, count, size = y.shape
+    flat = y.transpose(1, 0, 2).reshape(count, -1)
+    grams: dict[bytes, Float] = {}  # most often all joints move
+    for share in rows.share:
+        if share.tobytes() in grams:
+            continue
+        parts = flat - share @ flat
+        parts[share == 0.0] = 0.0
+        single = parts.reshape(count, joints, size).swapaxes(0, 1)
+        grams[share.tobytes()] = (
+            single.swapaxes(1, 2) @ single if is_spatial(read.joints)
+            else (parts.T @ parts).reshape(joints, size, joints, size).transpose(0, 2, 1, 3)
+        )  # fmt: skip
+    gram = np.array([grams[share.tobytes()] for share in rows.share])
+    slope = (rows.tau @ flat).reshape(*rows.tau.shape[:2], joints, size)
+    return Sums(gram, slope, np.sum(rows.tau**2, axis=2), _near(read.joints), either_sign(read))
 
 
 def _stops(q: Float) -> Float:
@@ -189,31 +221,32 @@ def _factor(scaled: Float) -> Float:
         return np.asarray(np.linalg.cholesky(lifted), dtype=float)
 
 
-def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
-    """Return for each torque map (M, J, J) the share of the power left, each group fitted on its own.
+def shares_left(groups: Sequence[Sums], torques: Float, most: float = np.inf) -> Float:
+    """Return for each torque map (M, J, J), or of a single one for each delay, the share of the power left, each group
+    fitted on its own; beyond `most` it may be a lower bound.
 
     What is left counts in the torques as they were recorded, so that no reading gains by mixing them.
     """
-    power = np.sum([s.power for s in groups], axis=0)
-    near = groups[0].near
-    largest = np.full(power.shape, power.max()) if near is None else np.where(near, power, 0.0).max(axis=1)
+    power = np.sum([s.power.T for s in groups], axis=0)
+    largest = np.where(groups[0].near, power[:, None], 0.0).max(axis=2)
     least = np.where(power < PASSIVE**2 * largest, 1.0, QUIET**2) * largest
     weight = 1.0 / np.maximum(np.maximum(power, least), 1e-24)
     back = np.linalg.inv(torques)
-    squares = np.einsum("k,mkj,mkl->mkjl", weight, back, back)
+    weighted = weight[:, :, None] * back
+    squares = weighted[:, :, :, None] * back[:, :, None]
     alone = np.diagonal(squares, axis1=2, axis2=3)
     ready = []
-    bound = np.zeros(len(torques))
+    bound = np.zeros(len(weighted))
     for s in groups:
         gram = np.tensordot(squares, s.gram, 3) if s.gram.ndim == 5 else np.tensordot(alone, s.gram, 2)
-        slope = np.tensordot(back * weight[:, None], s.slope.transpose(1, 0, 2), 2)
+        slope = np.sum(weighted[:, :, :, None] * s.slope.swapaxes(0, 1), axis=(1, 2))
         square = np.diagonal(gram, axis1=1, axis2=2)
         # Columns that cancel, or of a joint that stands, are zero but for rounding: they are left out.
         size = np.sqrt(np.where(square > ROUNDING * square.max(axis=1, keepdims=True), square, np.inf))
         scaled = gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1])
         lower = _factor(scaled)
         side = np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0]
-        total = float(weight @ s.power)
+        total = np.sum(weight * s.power.T, axis=1)
         ready.append((scaled, slope / size, lower, side, s.either))
         bound += np.maximum(total - np.sum(side**2, axis=1), 0.0)
     for m in np.flatnonzero(bound <= most):

@@ -57,15 +57,6 @@ class Windows:
         return solve(self.gram[chosen].sum(axis=0), self.slope[chosen].sum(axis=0))
 
 
-@dataclass(frozen=True, eq=False)
-class Trimmed:
-    """The numbers `x` (P,) that explain the windows `chosen` better than any others explain as many."""
-
-    x: Float
-    chosen: NDArray[np.int_]
-    losses: Float
-
-
 def windows_of(columns: Float, tau: Float, q: Float, dq: Float, seen: NDArray[np.bool_], length: int) -> Windows:
     """Return the windows of `length` samples of weighted columns (J, N, P) and torques (J, N), of which at least half
     are `seen` (J, N); sums are per seen sample. `q`, `dq` (N, J).
@@ -94,8 +85,10 @@ def joined(parts: list[Windows]) -> Windows:
     return Windows(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
-def trimmed(windows: Windows, solve: Solver) -> Trimmed | None:
-    """Return the fit of that part of the windows which any numbers explain best; None for too few windows."""
+def trimmed(windows: Windows, solve: Solver) -> tuple[Float, NDArray[np.int_]] | None:
+    """Return the numbers (P,) and the windows that they explain better than any others explain as many; None for too
+    few windows.
+    """
     most = int(PART * len(windows.power))
     if most < 2 * STRETCHES * SIDE:
         return None
@@ -114,7 +107,7 @@ def trimmed(windows: Windows, solve: Solver) -> Trimmed | None:
     best = order_of([item[0] for item in begun], float(windows.power.sum()))[:REFINED]
     ended = [step(begun[k][1], MOST) for k in best]
     _, chosen, x = ended[index_of_least([entry[0] for entry in ended], float(windows.power.sum()))]
-    return Trimmed(x, chosen, windows.losses(x))
+    return x, chosen
 
 
 def _starts(windows: Windows, most: int) -> list[NDArray[np.int_]]:

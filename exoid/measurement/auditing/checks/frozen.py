@@ -12,6 +12,7 @@ from exoid.measurement.auditing.channels import FORCE, Channel, channels, place,
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import machine_word
+from exoid.symbolic.motion import Float
 
 LEAST_ROWS = threshold(
     __name__, "LEAST_ROWS", 10,
@@ -48,14 +49,13 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
     driven = _still_while_driven(recording)
     for channel in channels(recording, "q", "tau", FORCE):
         torque = not channel.name.startswith("q")
-        likely, certain = (_frozen_torque if torque else _frozen_angle)(channel, recording)
-        known = np.concatenate(certain) if certain else driven[:0]
-        if known.size:
-            yield channel, known, True
-        rest = np.concatenate([*likely, *([] if torque else [driven])]) if likely or not torque else driven[:0]
-        rest = np.setdiff1d(rest, known)
-        if rest.size:
-            yield channel, rest, False
+        sure, likely = [driven[:0]], [driven[:0] if torque else driven]
+        for first, last, certain in (_frozen_torque if torque else _frozen_angle)(channel, recording):
+            (sure if certain else likely).append(np.arange(channel.at[first], channel.at[last] + 1))
+        known = np.concatenate(sure)
+        for rows, certain in ((known, True), (np.setdiff1d(np.concatenate(likely), known), False)):
+            if rows.size:
+                yield channel, rows, certain
 
 
 def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64]) -> Finding:
@@ -67,9 +67,6 @@ def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int6
     return Finding("frozen", "warning", what, where, share, 0.0, remedy, consequence, "likely")
 
 
-Rows = list[NDArray[np.int64]]
-
-
 def _stretches(channel: Channel, recording: Recording) -> list[tuple[int, int]]:
     """Return first and last of the values of each long stretch of one value.
 
@@ -79,69 +76,56 @@ def _stretches(channel: Channel, recording: Recording) -> list[tuple[int, int]]:
     step = np.diff(values)
     if step.size < 20 or np.ptp(values) == 0.0:
         return []
-    first, last = runs(step == 0)
-    found = [(int(a), int(b) + 1) for a, b in zip(first, last, strict=True) if b - a >= LEAST_ROWS]
     ends = (values.max(), values.min())
     return [
-        (a, b)
-        for a, b in found
-        if recording.t[at[b]] - recording.t[at[a]] >= LEAST_SECONDS and values[a] not in ends
-        and not (channel.outside and values[a] == 0.0)  # a plate that nobody stands on
-    ]
+        (int(a), int(b) + 1)
+        for a, b in zip(*runs(step == 0), strict=True)
+        if b - a >= LEAST_ROWS and recording.t[at[b + 1]] - recording.t[at[a]] >= LEAST_SECONDS
+        and values[a] not in ends and not (channel.outside and values[a] == 0.0)  # a plate that nobody stands on
+    ]  # fmt: skip
 
 
-def _frozen_torque(channel: Channel, recording: Recording) -> tuple[Rows, Rows]:
-    """Return the indices of the recording in frozen stretches of a torque: those likely, those certain.
+def _jumps(step: Float, last: int) -> bool:
+    """True if a channel leaves a stretch that ends with value `last` by far more than it usually changes."""
+    return last < step.size and bool(abs(step[last]) > 8 * float(np.median(np.abs(step[step != 0]))))
 
-    Certain is a noisy torque that stays while the leg moves; likely one that leaves the stretch with a jump.
+
+def _frozen_torque(channel: Channel, recording: Recording) -> Iterator[tuple[int, int, bool]]:
+    """Yield first and last value of each frozen stretch of a torque, and whether that is certain: a noisy torque that
+    stays while the leg moves. Likely is one that leaves the stretch with a jump.
     """
-    values, at = channel.values, channel.at
-    step = np.diff(values)
-    long = _stretches(channel, recording)
-    likely: Rows = []
-    certain: Rows = []
+    step = np.diff(channel.values)
     first_of, last_of = runs(step == 0)
     size = last_of - first_of + 1
     short = size[size <= LEAST_ROWS].sum()
     # Single repeats are usual where the steps of the sensor are coarser than its noise; long ones then say nothing.
-    if not long or short > 0.1 * max(1, step.size - size.sum() + short):
-        return likely, certain
-    usual = float(np.median(np.abs(step[step != 0])))
-    for first, last in long:
-        rows = np.arange(at[first], at[last] + 1)
-        if np.ptp(recording.q[rows], axis=0).max() > 0.03:
-            certain.append(rows)
-        elif last < step.size and abs(step[last]) > 8 * usual:
-            likely.append(rows)
-    return likely, certain
+    if short > 0.1 * max(1, step.size - size.sum() + short):
+        return
+    for first, last in _stretches(channel, recording):
+        moves = np.ptp(recording.q[channel.at[first] : channel.at[last] + 1], axis=0).max() > 0.03
+        if moves or _jumps(step, last):
+            yield first, last, bool(moves)
 
 
-def _frozen_angle(channel: Channel, recording: Recording) -> tuple[Rows, Rows]:
-    """Return the indices of the recording in frozen stretches of an angle: those likely, those certain.
+def _frozen_angle(channel: Channel, recording: Recording) -> Iterator[tuple[int, int, bool]]:
+    """Yield the same of an angle.
 
     No joint jumps, nor stops and starts within a sample: certain is one that jumps at the end, or both stops and starts
     so; likely one that does either, where the recording begins or ends with the stretch, say.
     """
-    values, at = channel.values, channel.at
-    step = np.diff(values)
-    long = _stretches(channel, recording)
-    likely: Rows = []
-    certain: Rows = []
+    values, step = channel.values, np.diff(channel.values)
     width = max(2, round(EDGE * recording.rate))
     bend = np.abs(values[2 * width :] - 2.0 * values[width:-width] + values[: -2 * width])
     # Without the ends of one stretch: where many end so, that is how the machine moves, from one dwell to the next.
     bend = np.sort(bend[bend > 0.0])[: -4 * width]
-    if not long or bend.size < 20:
-        return likely, certain
+    if bend.size < 20:
+        return
     most = DEAD * float(np.quantile(bend, 0.99))
-    usual = float(np.median(np.abs(step[step != 0])))
-    for first, last in long:
+    for first, last in _stretches(channel, recording):
         stops = first >= width and abs(values[first] - values[first - width]) > most
         starts = last + width < values.size and abs(values[last + width] - values[last]) > most
-        jumps = last < step.size and abs(step[last]) > 8 * usual
-        if jumps or stops or starts:
-            (certain if jumps or (stops and starts) else likely).append(np.arange(at[first], at[last] + 1))
-    return likely, certain
+        if (jumps := _jumps(step, last)) or stops or starts:
+            yield first, last, bool(jumps or (stops and starts))
 
 
 def _still_while_driven(recording: Recording) -> NDArray[np.int64]:

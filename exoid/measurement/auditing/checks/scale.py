@@ -13,15 +13,17 @@ import numpy as np
 from exoid.ground.thresholds import threshold
 from exoid.ground.ties import index_of_least, least_of
 from exoid.measurement.auditing.channels import place
-from exoid.measurement.auditing.rough import Smooth, smooth, unexplained
+from exoid.measurement.auditing.non_negative import non_negative
+from exoid.measurement.auditing.power_left import Sums, smoothed_groups, sums_as_they_stand
+from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
 from exoid.symbolic.motion import Float
 
 TRIED = np.logspace(-3, 3, 37)
-SPARSE = TRIED[::3]
-"""Near enough to tell on which side of one a plain factor lies."""
+ROUNDING = 1e-24
+"""(N·m)², summed: of a joint without a torque."""
 LEAST_GAIN = threshold(
     __name__, "LEAST_GAIN", 0.02,
     "share of the torques' power left, from which a factor is looked for: friction left out",
@@ -47,56 +49,40 @@ WEAK = threshold(
 
 def check(recording: Recording) -> list[Finding]:
     """Warn of torques that fit together only when one of them is multiplied, and of torques too small for any leg."""
-    motions = _motions([recording])
-    found = []
-    for motion in motions:
-        size = float(motion.tau.std(axis=0).max())
-        if size < WEAK:
-            found.append(
-                _finding(
-                    place(recording), f"the torques vary by {size:.2g} N·m only: they look like kN·m or currents", size,
-                    WEAK, "say so with --units tau=kNm, or give torque constant and gear: --units tau=Nm/A*0.1*50",
-                )
-            )  # fmt: skip
-    return [*found, *_factor(motions, place(recording))]
+    sets = _of_legs([recording])
+    size = float(sets[0][0].tau.std(axis=0).max()) if sets else WEAK
+    found = _factor(sets, place(recording))
+    if size < WEAK:
+        what = f"the torques vary by {size:.2g} N·m only: they look like kN·m or currents"
+        remedy = "say so with --units tau=kNm, or give torque constant and gear: --units tau=Nm/A*0.1*50"
+        found.insert(0, _finding(place(recording), what, size, WEAK, remedy))
+    return found
 
 
 def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
-    found = _factor(_motions(recordings), f"{len(recordings)} recordings together", only_plain=True)
+    found = _factor(_of_legs(recordings), f"{len(recordings)} recordings together")
     return tuple(item for item in found if item.value is not None and _is_plain(item.value))
 
 
-def _motions(recordings: Sequence[Recording]) -> list[Smooth]:
-    """Return the smoothed recordings in which a leg moves and both its joints carry torque."""
-    motions = [smooth(recording) for recording in recordings if is_leg(recording.joints)]
-    return [m for m in motions if m is not None and np.all(m.tau.std(axis=0) > 0) and np.any(m.q.std(axis=0) > 0.02)]
+def _of_legs(recordings: Sequence[Recording]) -> list[list[Smooth]]:
+    return smoothed_groups([recording for recording in recordings if is_leg(recording.joints)])
 
 
 def _is_plain(factor: float) -> bool:
     return bool(abs(np.log(factor)) > np.log(PLAIN))
 
 
-def _factor(motions: Sequence[Smooth], where: str, only_plain: bool = False) -> list[Finding]:
-    """Return that a rigid leg wants the knee torque of all `motions` multiplied by one factor; [] where none does.
-
-    With `only_plain` one recording is enough to see that no plain factor is wanted.
-    """
-    if not motions:
+def _factor(sets: Sequence[Sequence[Smooth]], where: str) -> list[Finding]:
+    """Return that a rigid leg wants the knee torque of all motions multiplied by one factor; [] where none does."""
+    sums = [part for part in sums_as_they_stand(sets) if np.all(part.power > ROUNDING)]
+    if not sums or (now := _left(sums, 1.0)).sum() < LEAST_GAIN:
         return []
-    now = _left(motions, 1.0)
-    if now.sum() < LEAST_GAIN:
-        return []
-    if only_plain:
-        near = SPARSE[index_of_least([_left(motions[:1], factor).sum() for factor in SPARSE], 1.0)]
-        if not _is_plain(near**2):  # half way to a plain one
-            return []
-    left = [_left(motions, factor).sum() for factor in TRIED]
-    best = index_of_least(left, 1.0)
+    best = index_of_least([_left(sums, factor).sum() for factor in TRIED], 1.0)
     if not 0 < best < TRIED.size - 1:
         return []
     fine = np.geomspace(TRIED[best - 1], TRIED[best + 1], 13)
-    least, wanted = least_of(((_left(motions, item), float(item)) for item in fine), lambda one: one[0].sum(), 1.0)
+    least, wanted = least_of(((_left(sums, item), float(item)) for item in fine), lambda one: one[0].sum(), 1.0)
     far = now.sum() > TIMES * least.sum()
     # A knee torque that is far too small leaves the shank no mass: only the hip shows that, and only a little.
     alone = _is_plain(wanted) and np.any((now > TIMES * least) & (now - least > SHOWN))
@@ -111,9 +97,16 @@ def _factor(motions: Sequence[Smooth], where: str, only_plain: bool = False) -> 
     return [_finding(where, what, wanted, None, remedy)]
 
 
-def _left(motions: Sequence[Smooth], factor: float) -> Float:
+def _left(sets: Sequence[Sums], factor: float) -> Float:
     """Return the share (J,) of the torques' power that is left when the knee torque is multiplied by `factor`."""
-    return np.asarray(np.mean([unexplained(motion, factors=(1.0, factor))[0] for motion in motions], axis=0))
+    left, own = [], [0, 1]
+    for sums in sets:
+        # Each joint counts alike, whatever its torque.
+        slopes = sums.slope[own, 0, own] / (sums.power * [[1.0], [factor]])
+        grams = sums.gram[own, own, own] / (sums.power[:, :, None] * [[[1.0]], [[factor**2]]])
+        x = non_negative(grams.sum(axis=0), slopes.sum(axis=0))
+        left.append(np.maximum(1.0 + x @ grams @ x - 2.0 * slopes @ x, 0.0))
+    return np.asarray(np.mean(left, axis=0))
 
 
 def _finding(where: str, what: str, value: float, limit: float | None, remedy: str) -> Finding:
