@@ -27,7 +27,8 @@ REWEIGHTED = 3
 class Fits:
     """All parts of recordings with a fitted model, ready to be fitted anew with claims.
 
-    Rows and columns of a Gram matrix are those of the model, the pieces of all claims, and the residual. Where
+    Rows and columns of a Gram matrix are those of the model and of what all recordings may have alike (an offset, which
+    the model lacks or not: what differs is told from there), the pieces of all claims, and the residual. Where
     recordings are cut, a zero may also begin at the cut. What multiplies a torque of the model does so at the `linear`
     numbers (P,), which every weighing finds anew: another gain of half the recordings spoils those of the model given.
     """
@@ -36,11 +37,13 @@ class Fits:
         evidence = now.evidence(seed=0, draws=0, rules=rules)
         self.now, self.rules, self.blocks, self.cuts = now, rules, evidence.blocks, cuts
         self.parts = parts_of(self.blocks, cuts)
-        self.count = self.blocks[0].columns.shape[2]
-        self.prior, self.linear = evidence.prior, now.linear
+        self.linear = now.linear
         self.torques = [now.torque(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, state_columns(now))
         pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
+        same = [k for k, claim in enumerate(self.claims) if claim.everyone]
+        self.count = self.blocks[0].columns.shape[2] + len(same)
+        self.prior = np.concatenate([evidence.prior, np.zeros(len(same))])
         ends = self.count + np.cumsum([0, *(item.shape[2] for item in pieces[0])])
         self.place = {claim: slice(a, b) for claim, a, b in zip(self.claims, ends[:-1], ends[1:], strict=True)}
         if cuts:
@@ -48,7 +51,8 @@ class Fits:
             self.place |= {claim: self.place[whole] for whole, claim in late.items()}
             self.claims = (*self.claims, *late.values())
         rows = [
-            np.concatenate([block.columns, *own, block.residual[:, :, None]], axis=2) * block.use[:, :, None]
+            np.concatenate([block.columns, *(own[k] for k in same), *own, block.residual[:, :, None]], axis=2)
+            * block.use[:, :, None]
             for block, own in zip(self.blocks, pieces, strict=True)
         ]
         self.rows = [rows[part.recording][:, part.kept] for part in self.parts]

@@ -98,7 +98,7 @@ class _Search:
                 break
             state = best
         self.fits.weigh(state)
-        return self._all_placed(self._pruned(state))
+        return self._with_middles(self._all_placed(self._pruned(state)))
 
     def _of_everyone(self, state: State) -> State:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those
@@ -249,26 +249,27 @@ class _Search:
             best = index_of_least([total(self.fits.losses(rival)) for rival in rivals])
             if self.fits.pays(rivals[best], state, self.clear):
                 break
-            same = rivals[best][len(state) - 1 :]
-            state = rivals[best][: len(state) - 1]
-            state += tuple(item for item in same if self._drifts(state, item))
+            state = rivals[best]
         return state
 
-    def _drifts(self, state: State, held: Claimed) -> bool:
-        """True if a zero goes with a further column: only with what it is at the column's middle is it known."""
-        zeros = [item.claim for item in state if item.claim.common and not item.claim.factor]
-        return any(claim.place == held.claim.place for claim in zeros)
+    def _with_middles(self, state: State) -> State:
+        """The claims, with the zero that all recordings have where a further column is as in the middle: only so is one
+        known that goes with the column.
+        """
+        known = {held.claim for held in state}
+        places = {held.claim.place for held in state if held.claim.common and not held.claim.factor}
+        zeros = [claim for claim in self.fits.claims if claim.everyone and claim.place in places and claim not in known]
+        return (*state, *(Claimed(claim, claim.nodes[0], self.all) for claim in zeros))
 
     def _needless(self, rest: State, held: Claimed) -> State:
-        """Claims that explain as much where a claim is needless: nothing, or of what everyone has, the same number in
-        all recordings; that is the machine's, and has its place in the catalogue. What was another number until a
-        change is then one from there on.
+        """Claims that explain as much where a claim is needless: the others; beside a zero that is the same in all
+        recordings what was another number until a change is one from there on.
         """
-        if not held.claim.everyone or held.groups == self.all:
+        if not held.claim.everyone:
             return self._all_placed(rest)
-        same, alike = replace(held, groups=self.all), (held.claim.what, held.claim.place)
+        alike = (held.claim.what, held.claim.place)
         turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
-        rivals = [self._all_placed((*some, same)) for some in dict.fromkeys((rest, turned))]
+        rivals = [self._all_placed(some) for some in dict.fromkeys((rest, turned))]
         return least_of(rivals, self.fits.loss, 1.0)
 
     def _turned(self, held: Claimed) -> Claimed:
