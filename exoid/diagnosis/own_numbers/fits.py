@@ -57,7 +57,7 @@ class Fits:
         ]
         self.rows = [rows[part.recording][:, part.kept] for part in self.parts]
         self.use = [self.blocks[part.recording].use[:, part.kept] for part in self.parts]
-        self.alike = {claim: self._alike(claim) for claim in self.claims if claim.everyone}
+        self.alike = self._alike([claim for claim in self.claims if claim.everyone])
         self.starts = [part.starts(self.blocks[part.recording], rules.block_seconds) for part in self.parts]
         self.curves: dict[str | None, State] = {}
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
@@ -69,18 +69,28 @@ class Fits:
         last = range(len(self.blocks))
         return tuple(tuple(j for j, part in enumerate(self.parts) if part.recording == k) for k in last)
 
-    def _alike(self, claim: Claim) -> list[int]:
-        """Return the model's numbers that do what a claim of everyone does, such as the constant of a spring: they are
-        held where it is, or nobody could tell the recordings' numbers from theirs.
+    def _alike(self, claims: Sequence[Claim]) -> dict[int, list[Claim]]:
+        """Return the model's numbers that do what `claims` of everyone do, each at its own joint, with these: the
+        constant of a spring, the pretension of one across two joints.
         """
-        own = np.concatenate([rows[:, :, self.place[claim]] for rows in self.rows], axis=1).ravel()
-        every = np.concatenate([rows[:, :, : self.count] for rows in self.rows], axis=1).reshape(len(own), -1)
-        size = np.maximum(np.linalg.norm(every, axis=0) * np.linalg.norm(own), 1e-300)
-        return np.flatnonzero(np.abs(own @ every) >= (1.0 - ALIKE) * size).tolist()
+        every = np.concatenate([rows[:, :, : self.count] for rows in self.rows], axis=1).reshape(-1, self.count)
+        own = np.stack([np.concatenate([rows[:, :, self.place[c]] for rows in self.rows], axis=1) for c in claims])
+        own = own.reshape(len(claims), -1)
+        size = np.linalg.norm(own, axis=1)[:, None] * np.linalg.norm(every, axis=0)
+        share = np.square((own @ every) / np.maximum(size, 1e-300))
+        found = np.flatnonzero(share.sum(axis=0) >= 1.0 - ALIKE).tolist()
+        return {k: [claims[c] for c in np.flatnonzero(share[:, k] > ALIKE).tolist()] for k in found}
+
+    def _held(self, state: State) -> set[int]:
+        """Return the model's numbers that are held where they are beside claims of everyone that do the same: nobody
+        could tell the recordings' numbers from theirs.
+        """
+        known = [item.claim for item in state]
+        return {k for k, claims in self.alike.items() if any(claim in known for claim in claims)}
 
     def needless(self, state: State) -> tuple[str, ...]:
         """Terms of the model that do no more than what each recording has, such as an offset beside zeros."""
-        model, held = self.now.model, {k for item in state for k in self.alike.get(item.claim, [])}
+        model, held = self.now.model, self._held(state)
         bent = {entry.term for entry in model.shapes}
         own = {term.name: {k for k, p in enumerate(model.parameters) if p.term == term.name} for term in model.terms}
         return tuple(name for name, places in own.items() if places and places <= held and name not in bent)
@@ -134,8 +144,7 @@ class Fits:
         width, groups = self.rows[0].shape[2], [(held, group) for held in state for group in held.groups]
         out = np.zeros((len(self.rows), width, self.count + len(groups) + 1))
         free = np.ones(self.count)
-        for held in state:
-            free[self.alike.get(held.claim, [])] = 0.0
+        free[list(self._held(state))] = 0.0
         out[:, : self.count, : self.count] = np.diag(free)
         for c, (held, group) in enumerate(groups, self.count):
             out[list(group), self.place[held.claim], c] = held.claim.mix(held.node)
