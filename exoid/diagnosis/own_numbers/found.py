@@ -76,8 +76,11 @@ class _Search:
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
         questions = sum(1 if claim.everyone or claim.common else self.many for claim in fits.claims)
-        self.clear = max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / questions))
-        """Standard errors by which one of so many claims is better, not by chance."""
+        self.clear, self.clear_too = (
+            max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / asked))
+            for asked in (questions, self.many)
+        )
+        """Standard errors by which one of so many claims is better, not by chance, and one recording more of a claim."""
 
     def found(self, state: State) -> State:
         """The claims that hold, of those that are held already and others."""
@@ -207,7 +210,7 @@ class _Search:
             best = at_best_node(self.fits, state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
             # Whether one recording more shares a number costs none: what fits better is as likely as it fits.
             once, then = self.fits.losses((*state, held)), self.fits.losses((*state, best))
-            enough = held.claim.shared or clearer(once, then) >= self.clear
+            enough = held.claim.shared or clearer(once, then) >= self.clear_too
             if not enough or not self.fits.weighed_loss((*state, best)) < now:
                 break
             held = best
