@@ -177,7 +177,7 @@ def _beside_own(
             break
         kept = rival, _on(rival.fit, without), own
         own = _belonging_beside(_on(rival.fit, given), rules) or own
-        if own.agrees(kept[2]):
+        if own.agrees(kept[2]) and not own.needless:
             kept = *kept[:2], own
             break
     assert kept is not None
@@ -193,14 +193,17 @@ def _beside_own(
 
 
 def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
-    """Return what belongs to recordings beside a model that was found, without effects that do no more than that."""
+    """Numbers that belong to recordings beside a model that was found, without its effects that do no more than these,
+    which stay `needless`.
+    """
     own = belonging_to(last, rules)
     if own is None or not own.needless:
         return own
-    model = last.model
+    model, prepared = last.model, last.prepared
     for name in own.needless:
         model = model.without(name)
-    return belonging_to(_on(identify(model, last.prepared.train, optimisers=()), last.prepared), rules)
+    without = belonging_to(_on(identify(model, prepared.train, optimisers=()), prepared), rules)
+    return without and replace(without, needless=own.needless)
 
 
 def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:

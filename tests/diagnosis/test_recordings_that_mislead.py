@@ -93,7 +93,7 @@ def test_filtered_angles_are_said_and_nothing_is_named():
 
 
 def test_where_the_model_explains_filtered_angles_it_is_said_with_that_reserve():
-    given = runs(filtered(1.0))
+    given = runs(filtered(1.5))
     answer = discover(Model(), given[:3], given[3:])
     assert answer.verdict == "adequate" and "With one reserve: the angles" in answer.sentence
 

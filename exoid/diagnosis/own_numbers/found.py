@@ -80,7 +80,7 @@ class _Search:
             max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / asked))
             for asked in (questions, self.many)
         )
-        """Standard errors by which one of so many claims is better, not by chance, and one recording more of a claim."""
+        """Standard errors by which one of so many claims is better, not by chance, and one recording more of one."""
 
     def found(self, state: State) -> State:
         """The claims that hold, of those that are held already and others."""
