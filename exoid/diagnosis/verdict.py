@@ -219,7 +219,7 @@ def _far_where_fitted(last: FittedModel, rules: Rules) -> list[str]:
 
 
 def _on_fitted_motion(last: FittedModel, names: Sequence[str]) -> str:
-    """Return how much is left on fitted motion, most of it in the recordings `names`, and on unseen motion."""
+    """Words on what is left on fitted motion, most of it in the recordings `names`, and on unseen motion."""
     times = last.train_rms / np.maximum(sensor_noise(last.prepared), 1e-6)
     j = index_of_greatest(times)
     unit = last.model.joints[j].unit("tau")
