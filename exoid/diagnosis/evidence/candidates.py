@@ -250,9 +250,9 @@ def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]
         base = fitted.model.base()
         count, rigid = len(base.parameters), len(base.inertial)
         columns, numbers = base.whole_columns(one.motion), carrying(base, one.motion, fitted.linear[:count])
-        for j in range(len(columns)):
-            kept[f"tau_rigid{j + 1}"] = columns[j][:, :rigid] @ numbers[:rigid]
-            kept[f"tau_model{j + 1}"] = columns[j] @ numbers
+        found = {f"tau_model{j + 1}": each @ numbers for j, each in enumerate(columns)}
+        # All at once: the page answers by several threads, and another may ask meanwhile.
+        kept |= found | {f"tau_rigid{j + 1}": each[:, :rigid] @ numbers[:rigid] for j, each in enumerate(columns)}
     return kept
 
 
