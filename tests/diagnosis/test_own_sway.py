@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from synthetic import recording, search
 
-from exoid.diagnosis.evidence.own_sway import own_sway
+from exoid.diagnosis.evidence.own_sway import chance_of, own_sway
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.verdict import Conclusion, swayed
@@ -48,6 +48,7 @@ def test_a_sway_with_a_phase_of_its_own_in_every_recording_is_found_with_its_siz
     assert found.amplitudes[:, 0] == pytest.approx(0.8, rel=0.1)
     assert found.amplitudes[:, 1] == pytest.approx(0.0, abs=0.08)
     assert np.all(found.after < 1.5 * NOISE) and found.share > 0.9
+    assert found.p_value < 0.001
     assert found.parameters["forward"].low <= 0.8 <= found.parameters["forward"].high
     answer = swayed(found, Conclusion("missing", "", "", "", ""), last.model.joints)
     assert answer.verdict == "unexplained"
@@ -111,3 +112,16 @@ def test_phases_turn_coefficients_of_recordings_to_the_same_ones():
     arrows = common * np.exp(1j * phases)[:, None]
     parts = np.stack([arrows.real, arrows.imag], axis=2).reshape(3, 4)
     assert phases_of(parts) == pytest.approx(phases)
+
+
+def test_what_recordings_do_not_share_gains_as_much_from_neighbouring_frequencies():
+    rng = np.random.default_rng(3)
+    near = np.abs(np.arange(81) - 40) <= 20
+    noise = rng.chisquare(4, size=(4, 81))
+    assert chance_of(noise, near, 8, 1499) > 0.05
+    line = np.where(np.abs(np.arange(81) - 40) <= 2, 50.0, 0.0)
+    assert chance_of(noise + line, near, 8, 1499) < 0.001
+    apart = noise + np.stack([np.roll(line, k) for k in (0, 12, -12, 16)])
+    assert chance_of(apart, near, 8, 1499) > 0.01
+    assert chance_of((noise + line)[:2], near, 8, 1499) > 0.01  # two recordings are too few
+    assert chance_of(noise[:, :8], near[:8], 8, 1499) == 1.0

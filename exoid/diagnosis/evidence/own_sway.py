@@ -3,6 +3,10 @@
 Whoever starts a recorder does not ask the stand for its phase. At a given frequency the torque of the sway is linear in
 its sine and cosine parts, so each recording can have its own, and only the frequency is searched. The model's numbers
 are those of all recordings. Each is judged by halves: one half with the sway that the other half shows.
+
+A sway shifted in time is the same sway with another phase, so time-shifted placebos cannot say what is chance here.
+These placebos are shifted in frequency, each recording by another amount: what has no line of its own that all
+recordings share gains as much from a frequency in one and a neighbouring one in another.
 """
 
 from __future__ import annotations
@@ -31,6 +35,8 @@ NEAR, FINE = 0.25, 4
 it leaves; and frequencies per reciprocal duration."""
 MOST = 100
 """Frequencies to either side of it at most, for speed: of a long recording the line is sharp."""
+ASIDE, APART = 2, 2.0
+"""Times that part to which placebos reach, and how far they are shifted at least, in reciprocal durations."""
 ROUNDS = 2
 """Times that sway and model's numbers are fitted: the torque of the sway is proportional to the masses."""
 FINER = 9
@@ -43,13 +49,15 @@ AT_ONCE = 32
 class OwnSway:
     """A sway at `hertz` whose sine and cosine parts are `parts` (R, 4) m/s², forwards and upwards, in each recording.
 
-    `before` and `after` (J,) N·m are the errors on the motion by which a model is judged.
+    `before` and `after` (J,) N·m are the errors on the motion by which a model is judged, `p_value` the share of
+    placebos that gain as much, the sway itself counted among them.
     """
 
     hertz: float
     parts: Float
     before: Float
     after: Float
+    p_value: float
 
     @property
     def nodes(self) -> Float:
@@ -98,17 +106,19 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     if not places_of(effect, model.joints):
         return None
     every = last.prepared.all
-    step = 1.0 / (FINE * max(float(item.t[-1] - item.t[0]) for item in every))
-    count, shape = min(MOST, int(NEAR * swing.hertz / step)), effect.shape["f"]
-    near = np.array([swing.hertz + k * step for k in range(-count, count + 1)])
-    near = near[(near >= shape.min) & (near <= shape.max)]
-    if not near.size:
+    lasts = [float(item.t[-1] - item.t[0]) for item in every]
+    step = 1.0 / (FINE * max(lasts))
+    count = min(MOST, int(NEAR * swing.hertz / step))
+    wide = _within(swing.hertz, step, ASIDE * count)
+    near = np.abs(wide - swing.hertz) <= (count + 0.5) * step
+    if not near.any():
         return None
     candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 2)), False)
     evidence = _by_halves(last, rules)
-    best = near[index_of_greatest(_gains(evidence, last, candidate, near))]
+    gains = _gains(evidence, last, candidate, wide)
+    best = wide[near][index_of_greatest(gains.sum(axis=0)[near])]
     finer = best + step / FINER * np.arange(1 - FINER, FINER)
-    hertz = float(finer[index_of_greatest(_gains(evidence, last, candidate, finer))])
+    hertz = float(finer[index_of_greatest(_gains(evidence, last, candidate, finer).sum(axis=0))])
     carrier, joints = last, tuple(range(len(noise)))
     for _ in range(ROUNDS):
         own = [item.full(0, len(noise)) for item in _columns(carrier, candidate, np.array([hertz]))]
@@ -127,7 +137,8 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     whole, rest = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
     if rest > (1.0 - rules.half) * whole:
         return None
-    return OwnSway(hertz, parts.reshape(len(every), -1), before, after)
+    apart = int(np.ceil(APART / (min(lasts) * step)))
+    return OwnSway(hertz, parts.reshape(len(every), -1), before, after, chance_of(gains, near, apart, rules.placebos))
 
 
 def _by_halves(last: FittedModel, rules: Rules) -> Evidence:
@@ -144,12 +155,36 @@ def _columns(last: FittedModel, candidate: Candidate, hertz: Float) -> list[Colu
 
 
 def _gains(evidence: Evidence, last: FittedModel, candidate: Candidate, hertz: Float) -> Float:
-    """Return by how much a sway at frequencies (F,) lowers the loss of all recordings, each half with the sway that the
-    other half shows.
+    """Return by how much a sway at frequencies (F,) lowers the loss of every recording (R, F), each half with the sway
+    that the other half shows.
     """
     recordings, out = np.arange(len(evidence.blocks)), []
     for some in np.array_split(hertz, len(hertz) // AT_ONCE + 1):
         grams = evidence.plain(_columns(last, candidate, some))
         own = [Gram(grams.rows * (evidence.of == k)[:, None, None, None]) for k in recordings]
-        out.append(np.sum([evidence.gain(gram).total for gram in own], axis=0))
-    return np.concatenate(out)
+        out.append([evidence.gain(gram).total for gram in own])
+    return np.concatenate(out, axis=1)
+
+
+def _within(hertz: float, step: float, count: int) -> Float:
+    """Return the frequencies about `hertz` that a sway may have, `count` to either side."""
+    shape, frequencies = find_effect(ENTRY).shape["f"], np.array([hertz + k * step for k in range(-count, count + 1)])
+    return frequencies[(frequencies >= shape.min) & (frequencies <= shape.max)]
+
+
+def chance_of(gains: Float, near: np.ndarray, apart: int, most: int) -> float:
+    """Return the p-value of what recordings gain together at the best frequency; `gains` (R, F) are those of each, of
+    which those `near` (F,) count. Placebos, `most` of them at most, shift all recordings but the first by `apart`
+    frequencies or more.
+    """
+    recordings, count = gains.shape
+    shifts = np.arange(apart, count - apart + 1)
+    if not shifts.size:
+        return 1.0
+    draws = min(most, shifts.size ** (recordings - 1) - 1)  # no more than differ
+    drawn = np.random.default_rng(0).choice(shifts, size=(draws, recordings - 1))
+    places = np.arange(count)[near]
+    each = [gains[r][(places + drawn[:, [r - 1]]) % count] for r in range(1, recordings)]
+    placebos = np.max(gains[0, places] + np.sum(each, axis=0), axis=1)
+    as_good = int(np.count_nonzero(placebos >= np.max(gains[:, places].sum(axis=0))))
+    return (1 + as_good) / (1 + draws)

@@ -178,10 +178,10 @@ class SearchContext:
         return self.ranked[key]
 
     def _notice_sway(self, extension: Extension) -> None:
-        """Let the sway of the base be weighed with a phase of its own in every recording, where halves tell of one."""
+        """Let the sway of the base be weighed with a phase of its own in every recording, where that is no chance."""
         names = {candidate.name for candidate in self.library.candidates}
         sway = own_sway(extension.fitted, self.noise(extension), self.rules) if SWAY in names else None
-        if sway is not None:
+        if sway is not None and sway.p_value <= self.rules.level / len(names):
             self.library.narrow(SWAY, sway.nodes)
 
     def _draws(self) -> int:
