@@ -95,10 +95,13 @@ def answer_of(
     late = late_clocks(given.prepared.clock_rates)
     if (answer.verdict == "adequate" and answer.error is None and not late) or answer.outside:
         return answer
+    doubtful = bool(answer.accepted) and (bool(answer.of_recordings) or answer.error is not None)
+    if not (doubtful or late or given.prepared.clocks):
+        return answer  # nothing says that a clock is another's
     # How late a clock is shows best beside what else was found.
     beside = replace(question, model=answer.model) if answer.accepted else question
     last = _on(answer.fit, given.prepared)
-    if answer.accepted and (answer.of_recordings or answer.error is not None):
+    if doubtful:
         rates = clock_rates(last.model, last.prepared.all, last.shape, last.linear)
         last = replace(last, prepared=replace(last.prepared, clock_rates=rates))
     clock = one_clock(last, (*recordings, *verify), partial(_again, beside, given, many, tick), question.rules)

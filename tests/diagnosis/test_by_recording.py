@@ -322,7 +322,7 @@ def test_a_gain_of_the_last_third_of_one_fitted_recording_is_told_though_the_res
 
 
 def test_where_a_fitted_recording_is_far_from_the_noise_nothing_is_adequate():
-    """What pushes has no number that belongs to a recording, and the recording held out does not show it."""
+    """A push has no number that belongs to a recording, and the recording held out does not show it."""
     runs = [drive(k) for k in range(5)]
     t = runs[1].t
     push = np.where(t > 10.0, 1.5 * np.sin(2.3 * t + 0.04 * t**2) + np.sin(5.6 * t), 0.0)

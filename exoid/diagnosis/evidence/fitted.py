@@ -122,10 +122,10 @@ class FittedModel:
         """
         out = []
         for k, (loss, item) in enumerate(zip(self._losses(scale, rules), self.prepared.all, strict=True)):
-            starts, cut = item.starts(rules.block_seconds), cuts.get(k, 0)
+            cut = cuts.get(k, 0)
             for first, last in ((0, cut), (cut, loss.shape[1])) if cut else ((0, loss.shape[1]),):
-                inside = starts[(starts > first) & (starts < last)] - first
-                out.append(np.add.reduceat(loss[:, first:last].sum(axis=0), [0, *inside]))
+                starts = starts_within(item.starts(rules.block_seconds), first, last)
+                out.append(np.add.reduceat(loss[:, first:last].sum(axis=0), starts))
         return out
 
     def _losses(self, scale: Float, rules: Rules) -> list[Float]:
@@ -214,6 +214,11 @@ def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
         seen = residuals[: len(prepared.train)]
         residuals = (*seen, *(_by_halves(fit, recording) for recording in prepared.verify))
     return FittedModel(fit, shapes, residuals, prepared, _slack(fit, model))
+
+
+def starts_within(starts: np.ndarray, first: int, last: int) -> np.ndarray:
+    """Starts of the blocks of a part of a recording, from its sample `first` to before `last`, counted from there."""
+    return np.array([0, *(starts[(starts > first) & (starts < last)] - first)])
 
 
 def lag(loss: Float, least: Float) -> float:

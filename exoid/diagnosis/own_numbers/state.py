@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.fitted import FittedModel, starts_within
 from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.hypotheses import Claim, StateColumn
 from exoid.measurement.reading.names import joints_of
@@ -88,8 +88,7 @@ class Part:
 
     def starts(self, block: RecordingEvidence, seconds: float) -> np.ndarray:
         """Samples of the part at which blocks begin that are compared with one another."""
-        inside = block.starts(seconds) - self.start
-        return np.unique([0, *inside[(inside > 0) & (inside < self.stop - self.start)]])
+        return starts_within(block.starts(seconds), self.start, self.stop)
 
     def span(self, prepared: Prepared) -> tuple[float | None, float | None]:
         """From when and until when it lasts, in s of the recording's own time; None for its beginning and end."""

@@ -74,7 +74,7 @@ def _is_plain(factor: float) -> bool:
 
 
 def _factor(sets: Sequence[Sequence[Smooth]], where: str) -> list[Finding]:
-    """Return that a rigid leg wants the knee torque of all motions multiplied by one factor; [] where none does."""
+    """Findings that a rigid leg wants the knee torque of all motions multiplied by one factor; [] where none does."""
     sums = [part for part in sums_as_they_stand(sets) if np.all(part.power > ROUNDING)]
     if not sums or (now := _left(sums, 1.0)).sum() < LEAST_GAIN:
         return []
