@@ -58,13 +58,10 @@ class Place:
     last: int
 
 
-def noisy_copy(t: Float, values: Float, copy_t: Float, copy: Float) -> Place | None:
+def noisy_copy(t: Float, values: Float, copy_t: Float, copy: Float, offset: float) -> Place | None:
     """Return the place in `copy` (M, C) at the times `copy_t` in which all channels are `values` (N, C) at the times
-    `t`, with noise added; None where they are not.
+    `t`, with noise added, where `offset` makes the ones the others; None where they are not.
     """
-    offset = _offset(t, values, copy_t, copy)
-    if offset is None:
-        return None
     inside = np.flatnonzero((copy_t + offset >= t[0]) & (copy_t + offset <= t[-1]))
     if inside.size < LEAST:
         return None
@@ -80,7 +77,7 @@ def _rate(t: Float) -> float:
     return 1.0 / float(np.median(np.diff(t)))
 
 
-def _offset(t: Float, values: Float, copy_t: Float, copy: Float) -> float | None:
+def offset_of(t: Float, values: Float, copy_t: Float, copy: Float) -> float | None:
     """Return the time to be added to `copy_t` for the fast parts to be most alike; None where they are not alike."""
     slow, quick = sorted((_rate(t), _rate(copy_t)))
     grids = [np.arange(x[0], x[-1], 1.0 / quick) for x in (t, copy_t)]

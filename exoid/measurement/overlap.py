@@ -21,7 +21,7 @@ from exoid.ground.errors import RecordingError
 from exoid.ground.ties import index_of_greatest
 from exoid.measurement.auditing.channels import step_of
 from exoid.measurement.finding import Finding
-from exoid.measurement.noisy_copy import BAND, BLOCK, noisy_copy
+from exoid.measurement.noisy_copy import BAND, BLOCK, noisy_copy, offset_of
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.butterworth import band_pass_filter, both_ways
 from exoid.symbolic.motion import Float
@@ -145,11 +145,14 @@ def _noisy_rows(first: Recording, second: Recording, a: Float, b: Float) -> Mask
     if abs(first.rate / second.rate - 1.0) > SAME_CLOCK:
         clocks.append((np.arange(len(a), dtype=float), np.arange(len(b), dtype=float)))
     for t, other in clocks:
-        place = noisy_copy(t, a, other, b)
+        offset = offset_of(t, a, other, b)
+        if offset is None:
+            continue
+        place = noisy_copy(t, a, other, b, offset)
         if place is not None:
             rows[place.first : place.last] = True
             return rows
-        place = noisy_copy(other, b, t, a)
+        place = noisy_copy(other, b, t, a, -offset)
         if place is not None:
             inside = (other >= t[place.first] + place.offset) & (other <= t[place.last - 1] + place.offset)
             return np.asarray(inside)

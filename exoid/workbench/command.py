@@ -21,7 +21,6 @@ from exoid.ground.folder import with_apps
 from exoid.ground.signals import handled
 from exoid.ground.suggest import did_you_mean
 from exoid.ground.text import printable
-from exoid.ground.version import __version__
 from exoid.workbench import commands
 from exoid.workbench.command_line.parser import Parser, UsageError
 from exoid.workbench.terminal.encoding import install
@@ -163,6 +162,8 @@ def _dispatch(arguments: Sequence[str]) -> int:
             sys.stdout.write(overview())
         return DONE
     if verb == "--version":
+        from exoid.ground.version import __version__
+
         sys.stdout.write(f"exoid {__version__}\n")
         return DONE
     if verb.startswith("-"):

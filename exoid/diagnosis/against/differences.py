@@ -32,7 +32,6 @@ from exoid.diagnosis.own_numbers.numbers import spread_of
 from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.question import own_effects
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.minimum import minimum
 from exoid.ground.ties import ascending, least_of
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -50,8 +49,6 @@ STRETCH = 2.0
 NONE: Mapping[str, Float] = MappingProxyType({})
 MOST = 3
 """Differences named at most."""
-PLACED = 1e-4
-"""Distance in m to which the place of a load is found."""
 
 
 def compare_against(
@@ -186,19 +183,8 @@ class BeforeAfter:
         """A change at the place that fits best where the fit is weighted for it."""
         if one.asked.claim is None:
             return one
-        fits, claim = self.fits, one.held[0].claim
-        fits.weigh((*rest, *one.held))
-        held = at_best_node(fits, rest, one.held[0])
-        if len(claim.nodes) > 1:  # an interval is that of the place which fits all of the recordings best
-            reach = claim.nodes[1] - claim.nodes[0]
-
-            def left(at: float) -> float:
-                whole = fits.sums((*rest, replace(held, node=at))).sum(axis=(0, 1))
-                both = np.append(-fits.solved(whole)[0], 1.0)
-                return float(both @ whole @ both)
-
-            at = minimum(left, max(held.node - reach, 0.5 * held.node), held.node + reach, PLACED)[0]
-            held = replace(held, node=at)
+        self.fits.weigh((*rest, *one.held))
+        held = at_best_node(self.fits, rest, one.held[0])
         return replace(one, held=(held,), node=np.array([held.node]))
 
     def _pays(self, granted: Sequence[_Change], lead: _Change) -> float | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -77,7 +77,7 @@ class Candidate:
         """Number of its columns at each of its joints."""
         return max(1, len(self.term.effect.coefficients))
 
-    @property
+    @cached_property
     def common(self) -> np.ndarray:
         """Indices of the nodes that are the same in every recording, each once."""
         same = np.flatnonzero(np.all(self.nodes == self.nodes[:1], axis=(0, 2)))
@@ -92,6 +92,15 @@ class Candidate:
     def per_recording(self) -> tuple[int, ...]:
         """Indices of the shape parameters that each recording has to itself."""
         return tuple(i for i, s in enumerate(self.term.effect.shape.values()) if s.per_recording)
+
+    @cached_property
+    def groups(self) -> list[np.ndarray]:
+        """Nodes that differ between recordings, those together that share every other value."""
+        moving = np.setdiff1d(np.arange(self.nodes.shape[1]), self.common)
+        if not self.per_recording or not moving.size:
+            return []
+        _, label = np.unique(np.delete(self.nodes[0, moving], self.per_recording, axis=1), axis=0, return_inverse=True)
+        return [moving[label.ravel() == k] for k in range(label.max() + 1)]
 
 
 def feeds_back(term: Term) -> bool:

@@ -124,7 +124,7 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     if found is None:
         return None
     x, quiet = found
-    losses = windows.losses(x)
+    losses = windows.losses(x[None])[0]
     level, away = float(np.mean(losses[quiet])), ~quiet
     ends = np.cumsum([len(part.first) for part in parts])[:-1]
     pairs = list(zip(views, parts, np.split(away, ends), strict=True))
@@ -170,7 +170,7 @@ def _view(base: FittedModel, index: int, sample: Float) -> _View:
 
 
 def _solved(gram: Float, slope: Float) -> Float:
-    return np.asarray(inverse_of(gram) @ slope)
+    return np.asarray((inverse_of(gram) @ slope[..., None])[..., 0])
 
 
 def _quiet_part(windows: Windows, rules: Rules) -> tuple[Float, NDArray[np.bool_]] | None:
@@ -191,11 +191,11 @@ def _settled(
     """Return numbers (P,) and windows (M,) that are `chosen` by their losses at these numbers, which fit them best."""
     quiet = np.zeros(len(windows.power), dtype=bool)
     for _ in range(20):
-        now = chosen(windows.losses(x))
+        now = chosen(windows.losses(x[None])[0])
         if np.array_equal(now, quiet):
             break
         quiet = now
-        x = windows.solved(np.flatnonzero(quiet), _solved)
+        x = windows.solved(quiet[None], _solved)[0]
     return x, quiet
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import Gram
-from exoid.diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
+from exoid.diagnosis.evidence.score import Score, admissible, own_nodes
 
 AT_ONCE = 12
 """Nodes that are tried in one piece of work."""
@@ -44,7 +44,7 @@ def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
         nodes = np.union1d(nodes[:: int(np.ceil(nodes.size / most))], score.nodes[:1])
     parts = np.array_split(nodes, max(1, -(-nodes.size // AT_ONCE)))
     common = [PlaceboSearch(part, False) for part in parts if part.size]
-    return common + [PlaceboSearch(group, True) for group in groups_of(score.candidate)]
+    return common + [PlaceboSearch(group, True) for group in score.candidate.groups]
 
 
 def as_good(

@@ -236,17 +236,6 @@ def _share_active(evidence: Evidence, largest: Sequence[Float], whole: Float, se
     return np.where((peak > 0.0) & (seen >= evidence.rules.least_share * whole), np.mean(live, axis=0), 0.0)
 
 
-def groups_of(candidate: Candidate) -> list[np.ndarray]:
-    """Return the nodes that differ between recordings, those together that share every other value."""
-    own = candidate.per_recording
-    every = np.arange(candidate.nodes.shape[1])
-    moving = np.setdiff1d(every, candidate.common)
-    if not own or not moving.size:
-        return []
-    _, label = np.unique(np.delete(candidate.nodes[0, moving], own, axis=1), axis=0, return_inverse=True)
-    return [moving[label.ravel() == k] for k in range(label.max() + 1)]
-
-
 def _choices(evidence: Evidence, candidate: Candidate, grams: Gram, alive: np.ndarray) -> list[tuple[np.ndarray, Gain]]:
     """Return (nodes (R,), Gain) of what the search may choose: of the nodes that are common to all recordings the best
     with an admissible sign and the best with another, and the best of every group.
@@ -260,8 +249,7 @@ def _choices(evidence: Evidence, candidate: Candidate, grams: Gram, alive: np.nd
         if side.size:
             v = int(side[index_of_greatest(gain.total[side], float(evidence.fold_losses.sum()))])
             out.append((np.full(recordings, v), gain.entry(v)))
-    groups = groups_of(candidate)
-    if groups:
+    if groups := candidate.groups:
         nodes = np.column_stack([v[own_nodes(evidence, candidate, grams.entries(v[:, None]))[:, 0]] for v in groups])
         gain = evidence.gain(evidence.pick(grams.entries(slice(None), None), nodes))
         out += [(own, gain.entry(k)) for k, own in enumerate(nodes.T)]

@@ -8,7 +8,6 @@ from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State
 from exoid.ground.ties import index_of_least
 from exoid.optimisation.linear.loss import huber_terms
-from exoid.optimisation.preparation.clocks import squares_left
 from exoid.symbolic.motion import Float
 
 PACE = 0.5
@@ -40,16 +39,18 @@ def changes_of(fits: Fits, state: State) -> Cuts:
         ends = zip([0, *places], [*places, many], strict=True)
         grams = np.array([np.tensordot(columns[:, a:b], weighted[:, a:b], ((0, 1), (0, 1))) for a, b in ends])
         before = np.cumsum(grams, axis=0)
-        split = [_left(gram) + _left(before[-1] - gram) for gram in before[:-1]]
+        split = _left(before[:-1]) + _left(before[-1] - before[:-1])
         best = index_of_least(split)
         if split[best] <= (1.0 - fits.rules.little) * _left(before[-1]):
             found[k] = int(places[best])
     return found
 
 
-def _left(gram: Float) -> float:
-    """Squared error that the columns of a Gram matrix leave of its last one."""
-    return squares_left(float(gram[-1, -1]), gram[:-1, :-1], gram[:-1, -1])
+def _left(grams: Float) -> Float:
+    """Squared errors (...) that the columns of Gram matrices (..., D, D) leave of the last one."""
+    inverse, product = np.linalg.pinv(grams[..., :-1, :-1], rcond=1e-10, hermitian=True), grams[..., :-1, -1]
+    numbers = (inverse @ product[..., None])[..., 0]
+    return np.maximum(grams[..., -1, -1] - np.sum(product * numbers, axis=-1), 0.0)
 
 
 def sharpened(fits: Fits, state: State) -> Cuts:

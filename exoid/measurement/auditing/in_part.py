@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from exoid.measurement.auditing.hypotheses import ConventionHypothesis
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.rough import Smooth, machine_columns
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
+from exoid.symbolic.motion import Float
 
 WINDOW = 0.12
 """s, of a window: a swing has several."""
@@ -30,12 +30,17 @@ def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis
     left, count = 0.0, 0
     for group in sets:
         windows = joined([_windows(motion, reading, scale) for motion in group])
-        best = trimmed(windows, partial(non_negative, either=len(scale)))  # offsets of either sign
+
+        def solve(grams: Float, slopes: Float) -> Float:
+            pairs = zip(grams, slopes, strict=True)
+            return np.array([non_negative(*pair, either=len(scale)) for pair in pairs])  # offsets of either sign
+
+        best = trimmed(windows, solve)
         if best is None:
             continue
         x, chosen = best
-        left += float(windows.losses(x)[chosen].sum())
-        count += chosen.size
+        left += float(windows.losses(x[None])[0, chosen].sum())
+        count += int(chosen.sum())
     return left / count if count else None
 
 

@@ -30,8 +30,9 @@ SEEN = 0.5
 STEPS, REFINED, MOST = 3, 6, 40
 """Steps from every start, how many of the best go on, and how many steps these may take."""
 
+Mask = NDArray[np.bool_]
 Solver = Callable[[Float, Float], Float]
-"""Returns the numbers (P,) that minimise x·gram·x - 2 x·slope."""
+"""Returns the numbers (S, P) that minimise x·gram·x - 2 x·slope, for each of S `gram` (P, P) and `slope` (P,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +49,14 @@ class Windows:
     first: NDArray[np.int_]
 
     def losses(self, x: Float) -> Float:
-        """Return the mean squared error (M,) of numbers `x` (P,) in every window."""
-        flat = self.gram.reshape(len(self.power), -1)
-        return np.maximum(self.power - 2.0 * self.slope @ x + flat @ np.outer(x, x).ravel(), 0.0)
+        """Return the mean squared error (S, M) of numbers `x` (S, P) in every window."""
+        squares = (x[:, :, None] * x[:, None]).reshape(len(x), -1)
+        return np.maximum(self.power - 2.0 * x @ self.slope.T + squares @ self.gram.reshape(len(self.power), -1).T, 0.0)
 
-    def solved(self, chosen: NDArray[np.int_], solve: Solver) -> Float:
-        """Return the numbers (P,) that fit the windows `chosen` best."""
-        return solve(self.gram[chosen].sum(axis=0), self.slope[chosen].sum(axis=0))
+    def solved(self, chosen: Mask, solve: Solver) -> Float:
+        """Return the numbers (S, P) that fit each S times the windows that are `chosen` (S, M) best."""
+        gram = chosen.astype(float) @ self.gram.reshape(len(self.power), -1)
+        return solve(gram.reshape(len(chosen), *self.gram.shape[1:]), chosen @ self.slope)
 
 
 def windows_of(columns: Float, tau: Float, q: Float, dq: Float, seen: NDArray[np.bool_], length: int) -> Windows:
@@ -85,40 +87,46 @@ def joined(parts: list[Windows]) -> Windows:
     return Windows(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
-def trimmed(windows: Windows, solve: Solver) -> tuple[Float, NDArray[np.int_]] | None:
-    """Return the numbers (P,) and the windows that they explain better than any others explain as many; None for too
-    few windows.
+def trimmed(windows: Windows, solve: Solver) -> tuple[Float, Mask] | None:
+    """Return the numbers (P,) and a mask (M,) of the windows that they explain better than any others explain as many;
+    None for too few windows.
     """
     most = int(PART * len(windows.power))
     if most < 2 * STRETCHES * SIDE:
         return None
 
-    def step(chosen: NDArray[np.int_], times: int) -> tuple[float, NDArray[np.int_], Float]:
-        x, losses = np.zeros(0), np.zeros(0)
+    def steps(chosen: Mask, times: int) -> tuple[Float, Mask, Float]:
+        """Return what is left (S,) after so many steps, the windows (S, M) and the numbers (S, P)."""
         for _ in range(times):
             x = windows.solved(chosen, solve)
             losses = windows.losses(x)
-            before, chosen = chosen, np.sort(np.argsort(losses, kind="stable")[:most])
+            before, chosen = chosen, _first(losses, most)
             if np.array_equal(before, chosen):
                 break
-        return float(losses[chosen].sum()), chosen, x
+        return np.sum(losses, axis=1, where=chosen), chosen, x
 
-    begun = [step(start, STEPS) for start in _starts(windows, most)]
-    best = order_of([item[0] for item in begun], float(windows.power.sum()))[:REFINED]
-    ended = [step(begun[k][1], MOST) for k in best]
-    _, chosen, x = ended[index_of_least([entry[0] for entry in ended], float(windows.power.sum()))]
-    return x, chosen
+    left, chosen, _ = steps(_starts(windows, most), STEPS)
+    best = order_of(left, float(windows.power.sum()))[:REFINED]
+    left, chosen, x = steps(chosen[best], MOST)
+    k = index_of_least(left, float(windows.power.sum()))
+    return x[k], chosen[k]
 
 
-def _starts(windows: Windows, most: int) -> list[NDArray[np.int_]]:
-    """Return from which windows the fits begin, the same every time."""
-    out = []
+def _first(values: Float, most: int) -> Mask:
+    """Return a mask of the `most` smallest in each row of `values` (S, M)."""
+    out = np.zeros(values.shape, dtype=bool)
+    np.put_along_axis(out, np.argsort(values, axis=1, kind="stable")[:, :most], True, axis=1)
+    return out
+
+
+def _starts(windows: Windows, most: int) -> Mask:
+    """Return the windows (S, M) from which each fit begins, the same every time."""
+    away = []
     for q, dq in zip(windows.q.T, windows.dq.T, strict=True):
         phase = np.arctan2(dq / max(float(dq.std()), 1e-12), (q - q.mean()) / max(float(q.std()), 1e-12))
-        for middle in 2.0 * np.pi * np.arange(SECTORS) / SECTORS:
-            away = np.abs(np.angle(np.exp(1j * (phase - middle))))
-            out.append(np.argsort(away, kind="stable")[:most])
-    rng = np.random.default_rng(0)
-    for first in rng.integers(0, len(windows.power) - SIDE, (CHANCE, STRETCHES)):
-        out.append(np.unique(first[:, None] + np.arange(SIDE)))
-    return out
+        middles = 2.0 * np.pi * np.arange(SECTORS)[:, None] / SECTORS
+        away.append(np.abs(np.angle(np.exp(1j * (phase - middles)))))
+    first = np.random.default_rng(0).integers(0, len(windows.power) - SIDE, (CHANCE, STRETCHES))
+    few = np.zeros((CHANCE, len(windows.power)), dtype=bool)
+    np.put_along_axis(few, (first[:, :, None] + np.arange(SIDE)).reshape(CHANCE, -1), True, axis=1)
+    return np.concatenate([_first(np.concatenate(away), most), few])

@@ -187,9 +187,22 @@ class _Prediction:
         self.one_sided[:PARABOLA] = _parabola(tuple(np.arange(PARABOLA) - self.reach))
         self.taken = np.zeros(2 * self.reach + 1)
         self.taken[self.reach + offsets] = _fitted(offsets, clean, hidden, least)
-        self.lost, self.behind = hidden, np.zeros(2 * self.reach + 1)
+        self.edges: list[tuple[Mask, Float]] = []
         if hidden.any():
-            self.behind[self.reach + beside] = _fitted(beside, clean, hidden, least)
+            self._find_edges(hidden, beside, _fitted(beside, clean, hidden, least))
+
+    def _find_edges(self, hidden: Mask, beside: NDArray[Any], weights: Float) -> None:
+        """Find the samples beside those that are hidden, and the weights that take the neighbours of each side alone: a
+        line across what is hidden begins at the sample itself.
+        """
+        behind = np.zeros(2 * self.reach + 1)
+        behind[self.reach + beside] = weights
+        near = np.zeros(behind.size)
+        near[self.reach + beside] = 1.0
+        before, after = (np.convolve(hidden, side, mode="same") > 0.5 for side in (near, near[::-1]))
+        for edge, taken in ((before & ~after & ~hidden, behind), (after & ~before & ~hidden, behind[::-1])):
+            if edge.any():
+                self.edges.append((edge, taken))
 
     def _padded(self, clean: Float) -> Float:
         ends = 2.0 * clean[0] - clean[self.reach : 0 : -1], 2.0 * clean[-1] - clean[-2 : -self.reach - 2 : -1]
@@ -211,22 +224,10 @@ class _Prediction:
         sides = [sign * (x[at] - rows @ taken) for taken in (self.one_sided, self.one_sided[::-1])]
         out = np.zeros(x.size, dtype=bool)
         out[at] = np.minimum(*sides) > ALONE * size[at]
-        if self.lost.any():
-            for weights in (self.behind, self.behind[::-1]):
-                out = self._at_edge(x, padded, hidden, least, weights, out)
+        for edge, taken in self.edges:
+            size = np.abs(x - np.convolve(padded, taken[::-1], mode="valid"))
+            out = np.where(edge, size > self.bound * _usual(size, hidden, least), out)
         return out
-
-    def _at_edge(self, x: Float, padded: Float, hidden: Mask, least: float, weights: Float, out: Mask) -> Mask:
-        """Return `out` with what is judged anew of the samples beside those that are unknown: by the neighbours on the
-        other side alone, which `weights` take. A line across what is unknown begins at the sample itself.
-        """
-        taken = np.abs(np.sign(weights))
-        blind, seen = (np.convolve(self.lost, side[::-1], mode="same") > 0.5 for side in (taken[::-1], taken))
-        edge = blind & ~seen & ~self.lost
-        if not edge.any():
-            return out
-        size = np.abs(x - np.convolve(padded, weights[::-1], mode="valid"))
-        return np.where(edge, size > self.bound * _usual(size, hidden, least), out)
 
 
 def _fitted(offsets: NDArray[Any], clean: Float, hidden: Mask, least: float) -> Float:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from exoid.optimisation.preparation.filtering import PreparedRecording
 
 FIXED_POINT_ROUNDS = 60
-FIXED_POINT_TOLERANCE = 1e-11
+FIXED_POINT_TOLERANCE = 1e-9
 EXTRAPOLATED, CLOSER = 4, 0.7
 """Rounds before the last from which a fixed point is extrapolated, and how much smaller a round's change must be than
 that of the round before for these to count."""

@@ -179,6 +179,8 @@ def _step(
     most = 2.0 * far[[index for _, index in places]]
     step = np.clip(step, -most, most)
     for _ in range(HALVINGS):
+        if promised <= SETTLED * value:
+            break
         trial = shapes.copy()
         for (row, index), change in zip(places, step, strict=True):
             entry = model.shapes[index].shape
@@ -187,8 +189,6 @@ def _step(
         if reached < value:
             return trial, reached
         promised, step = 0.5 * promised, 0.5 * step
-        if promised <= SETTLED * value:
-            break
     return shapes, value
 
 

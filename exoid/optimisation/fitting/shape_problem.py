@@ -37,7 +37,7 @@ class ShapeProblem:
         return shape if self.own or shape.ndim == 1 else shape[0]
 
     def _solve(self, data: LinearData) -> Float:
-        return solution(data, self.delta, self.possible)
+        return solution(data, self.delta, self.possible, self._known)
 
     def solved(self, shape: Float) -> Settled:
         """Return the linear parameters there, with their data."""

@@ -203,19 +203,13 @@ def clock_rate(
 
 def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> ClockRate | None:
     """Return by how much faster the clock of a `torque` (N, J) runs and how late it is, to first order."""
-    parts = np.concatenate([own, _late_columns(one, torque)], axis=2)
     wanted = one.smooth(torque)
     size = np.array([y[u].std() if u.any() else 0.0 for y, u in zip(wanted, use, strict=True)])
-    group = np.minimum(np.arange(use.shape[1]) * GROUPS // use.shape[1], GROUPS - 1)
-    count = parts.shape[2]
-    grams, products, square = np.zeros((GROUPS, count, count)), np.zeros((GROUPS, count)), 0.0
-    for j in np.flatnonzero(size > 0.0):
-        for k in range(GROUPS):
-            rows = use[j] & (group == k)
-            x, y = parts[j, rows] / size[j], wanted[j, rows] / size[j]
-            grams[k] += x.T @ x
-            products[k] += x.T @ y
-            square += float(y @ y)
+    weight = np.where(use & (size > 0.0)[:, None], 1.0 / np.where(size > 0.0, size, 1.0)[:, None], 0.0)
+    rows = np.concatenate([own, _late_columns(one, torque), wanted[:, :, None]], axis=2) * weight[:, :, None]
+    parts = np.array_split(rows, GROUPS, axis=1)
+    sums = np.array([np.tensordot(part, part, ((0, 1), (0, 1))) for part in parts])
+    grams, products, square = sums[:, :-1, :-1], sums[:, :-1, -1], float(sums[:, -1, -1].sum())
     scale = np.sqrt(np.diagonal(grams.sum(axis=0)))
     known = scale > 0.0
     if not known[-2:].all():
@@ -223,30 +217,21 @@ def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> Clock
     grams = grams[:, known][:, :, known] / np.outer(scale[known], scale[known])
     products = products[:, known] / scale[known]
 
-    def both(gram: Float, product: Float) -> Float:
-        inverse = np.linalg.pinv(gram, rcond=1e-10, hermitian=True)
-        return np.asarray((inverse @ product[..., None])[..., -2:, 0] / scale[-2:])
-
     gram, product = grams.sum(axis=0), products.sum(axis=0)
-    each = both(gram - grams, product - products)
-    late_error, error = np.sqrt((GROUPS - 1) / GROUPS * np.sum((each - each.mean(axis=0)) ** 2, axis=0))
-    many = len(product)
-    left = squares_left(square, gram, product)
-    others = (np.delete(np.arange(many), k) for k in (many - 2, many - 1))
-    of_late, of_rate = (squares_left(square, gram[np.ix_(rest, rest)], product[rest]) for rest in others)
-    if not min(error, late_error) > 0.0 or not min(of_late, of_rate) > 0.0:
+    # All of it first, then without each part.
+    inverse = np.linalg.pinv(np.concatenate([gram[None], gram - grams]), rcond=1e-10, hermitian=True)
+    numbers = (inverse @ np.concatenate([product[None], product - products])[..., None])[..., 0]
+    left = max(square - float(product @ numbers[0]), 0.0)
+    gains = numbers[0, -2:] ** 2 / np.maximum(np.diagonal(inverse[0])[-2:], 1e-300)
+    (early, rate), *each = numbers[:, -2:] / scale[-2:]
+    late_error, error = np.sqrt((GROUPS - 1) * np.var(each, axis=0))
+    if not min(error, late_error) > 0.0 or not left + gains.min() > 0.0:
         return None
-    early, rate = both(gram, product)
+    late_share, share = gains / (left + gains)
     seconds = float(one.motion.t[-1] - one.motion.t[0])
     return ClockRate(
-        one.name, float(rate), float(error), 1.0 - left / of_rate, seconds, -float(early), float(late_error),
-        1.0 - left / of_late,
-    )  # fmt: skip
-
-
-def squares_left(square: float, gram: Float, product: Float) -> float:
-    """Squared error that columns with the normal equations `gram` (P, P) x = `product` (P,) leave of `square`."""
-    return max(square - float(product @ np.linalg.lstsq(gram, product, rcond=1e-10)[0]), 0.0)
+        one.name, float(rate), float(error), float(share), seconds, -float(early), float(late_error), float(late_share)
+    )
 
 
 def _own_columns(one: PreparedRecording, columns: Float) -> Float:
