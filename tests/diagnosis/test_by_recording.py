@@ -9,6 +9,7 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.hypotheses import claims_of
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import with_numbers
@@ -358,3 +359,41 @@ def test_a_leg_with_a_box_on_its_shank():
     assert found.verdict == "adequate" and told(found) == {
         "carried_load": pytest.approx({"run_1": 2.0, "run_3": 2.0}, abs=0.1)
     }
+
+
+CART = Model("cart", joints=(Joint("cart", "prismatic", axis=(1, 0, 0)), Joint("pole", axis=(0, -1, 0))))
+
+
+def cart(k, bodies):
+    """Return 15 s of a cart of 4 kg with a pole, and `bodies` {distance from the pivot: kg} on it, by Lagrange."""
+    t, rng = np.arange(0.0, 15.0, 0.01), np.random.default_rng(k)
+    parts = np.zeros((3, 2, 1500))
+    for joint, sizes in enumerate(((0.2, 0.1), (0.9, 0.4))):
+        for size, pace in zip(sizes, (2.0 + 0.2 * k + 0.3 * joint, 5.1 - 0.3 * k), strict=True):
+            sine, cosine = np.sin(pace * t + k), np.cos(pace * t + k)
+            parts[:, joint] += size * np.array([sine, pace * cosine, -(pace**2) * sine])
+    q, dq, ddq = parts
+    tau = np.array([4.0 * ddq[0], 0.05 * ddq[1]]) + 0.8 * np.tanh(dq / 0.01)
+    for away, kg in {0.3: 2.0, **bodies}.items():
+        tau[0] += kg * (ddq[0] + away * (np.cos(q[1]) * ddq[1] - np.sin(q[1]) * dq[1] ** 2))
+        tau[1] += kg * away * (away * ddq[1] + np.cos(q[1]) * ddq[0] + 9.80665 * np.sin(q[1]))
+    noise = 0.05 * rng.standard_normal(tau.shape)
+    return Recording(f"run_{k}", t, q.T + 1e-5 * rng.standard_normal(q.T.shape), (tau + noise).T, joints=CART.joints)
+
+
+@pytest.mark.parametrize(("away", "link"), [(0.2, "pole"), (0.0, "cart")])
+def test_a_load_in_space_is_weighed_and_placed_where_its_place_shows(away, link):
+    runs = [cart(k, {away: 0.7} if k in (1, 3) else {}) for k in range(4)]
+    found = discover(CART, runs[:3], runs[3])
+    assert found.verdict == "adequate"
+    assert told(found) == {"carried_load": pytest.approx({"run_1": 0.7, "run_3": 0.7}, abs=0.01)}
+    (load,) = found.of_recordings
+    assert load.joint == link and (load.place is None) == (away == 0.0)
+    if load.place is not None:
+        assert load.place.low < away < load.place.high and "from its joint (" in load.sentence
+
+
+def test_of_an_arm_the_load_is_asked_at_its_end():
+    links = [Joint(f"j{k}", axis=(0, k % 2, 1 - k % 2), origin=(0.1, 0.0, 0.3)) for k in range(4)]
+    asked = [claim.place for claim in claims_of(Model("arm", joints=tuple(links))) if claim.what == "carried_load"]
+    assert asked == ["j3"]

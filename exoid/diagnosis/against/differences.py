@@ -185,7 +185,7 @@ class BeforeAfter:
             return one
         self.fits.weigh((*rest, *one.held))
         held = at_best_node(self.fits, rest, one.held[0])
-        return replace(one, held=(held,), node=np.array([held.node]))
+        return replace(one, held=(held,), node=np.array(held.node))
 
     def _pays(self, granted: Sequence[_Change], lead: _Change) -> float | None:
         """Chance, among all that is asked, of explaining as much as a change that pays; None of one that does not.
@@ -236,7 +236,7 @@ class BeforeAfter:
                 groups = (where, self.before) if claim.shared and not always else (where,)
                 held = [at_best_node(fits, state, Claimed(claim, claim.nodes[0], (group,))) for group in groups]
                 least = least_of(held, lambda one: fits.loss((*state, one)), 1.0)
-                found.append(_Change(item, (least,), np.array([least.node]), always))
+                found.append(_Change(item, (least,), np.array(least.node), always))
         once = fits.loss(state)
         losses = [(fits.loss((*state, *change.held)), change) for change in found]
         useful = [pair for pair in losses if pair[0] <= (1.0 - self.rules.least_share) * once]
@@ -275,7 +275,7 @@ class BeforeAfter:
         own = [self._columns_on(k, item, node[None]).full(0, len(self.now.model.joints)) for k in self.all]
         claims = [Claim("effect", item.name, unit, nothing, (low, high)) for unit, low, high in item.numbers.values()]
         self.fits.take(claims, own)
-        return _Change(item, tuple(Claimed(claim, 0.0, (where,)) for claim in claims), node, where == self.all)
+        return _Change(item, tuple(Claimed(claim, (), (where,)) for claim in claims), node, where == self.all)
 
     def _course(self, granted: Sequence[_Change], one: _Change) -> list[Float]:
         """Course of a change beside all else that was granted, (3, stretches) of each recording: when, the size it has,
@@ -375,8 +375,7 @@ class BeforeAfter:
 
         place = None
         if claim in spread.places:
-            half = float(spread.width[spread.places[claim]])
-            place = Estimate("along", one.node[0], "m", max(0.0, one.node[0] - half), one.node[0] + half)
+            place = spread.place(claim, own[0].node)[0]
         shape = {} if asked.candidate is None or not asked.candidate.term.effect.coefficients else dict(
             zip(asked.candidate.term.effect.shape, map(float, one.node), strict=True)
         )

@@ -58,7 +58,7 @@ class Asked:
         assert self.claim is not None
         own = base[:, :, : len(fitted.linear)]
         seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged)
-        mixed = self.claim.pieces(seen) @ np.array([self.claim.mix(node) for node in nodes[:, 0]]).T
+        mixed = self.claim.pieces(seen) @ np.array([self.claim.mix(node) for node in nodes]).T
         return Columns(tuple(range(len(base))), np.moveaxis(mixed, 2, 0)[..., None])
 
 
@@ -111,8 +111,8 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
 
 def _claimed(claim: Claim) -> Asked:
     what, kind, number = TOLD.get(claim.what, (claim.what, "number", "size"))
-    nodes = np.array(claim.nodes)[:, None]
-    return Asked(f"{what}:{claim.place}", kind, {number: (claim.unit, *claim.bounds)}, nodes, claim=claim)
+    numbers = {number: (claim.unit, *claim.bounds)}
+    return Asked(f"{what}:{claim.place}", kind, numbers, np.array(claim.nodes), claim=claim)
 
 
 def _numbers(candidate: Candidate) -> dict[str, tuple[str, float, float]]:

@@ -36,7 +36,11 @@ class Seen:
     logged: Mapping[str, Logged]
 
 
-def _alone(at: float) -> Float:
+Node = tuple[float, ...]
+"""Where something is, m: a place along a link, or three numbers in space; () for what is nowhere."""
+
+
+def _alone(at: Node) -> Float:
     return np.ones(1)
 
 
@@ -79,8 +83,8 @@ class Claim:
     everyone: bool = False
     shared: bool = False
     common: bool = False
-    nodes: tuple[float, ...] = (0.0,)
-    mix: Callable[[float], Float] = _alone
+    nodes: tuple[Node, ...] = ((),)
+    mix: Callable[[Node], Float] = _alone
     of: str = ""
 
 

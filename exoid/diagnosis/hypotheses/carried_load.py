@@ -1,43 +1,67 @@
-"""Some recordings carry a load that nobody named, a small body on the axis of a link."""
+"""Some recordings carry a load that nobody named: a small body on the axis of a link, in space anywhere on it."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
+from itertools import product
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed
-from exoid.symbolic.mechanics.payload import HEAVIEST, LINKS
+from exoid.diagnosis.hypotheses import Claim, Node, Seen, StateColumn, each_said, listed
+from exoid.symbolic.joints import HERE, parents
+from exoid.symbolic.mechanics.payload import HEAVIEST, LINKS, one_kg_at
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 PLACES = 24
 """Places along a link at which a load is looked for first."""
+FEW = 3
+"""Joints of a machine in space, at most, each link of which is asked about: an arm holds its load at its end."""
+BOUNDS = (0.0, HEAVIEST)
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
-    """Return a load on each link; none in space, where its place is no one number."""
-    if model.spatial:
-        return ()
+    """Return a load on each link; on an arm of many on those that carry no other."""
     names = model.joint_names if model.chain else LINKS
+    links = [*range(len(names))]
+    if model.spatial and len(names) > FEW:
+        carrying = parents(model.joints)
+        links = [k for k in links if k not in carrying]
+    nodes = _in_space(model) if model.spatial else _along(model)
+    found = []
+    for k in links:
+        shown = tuple(np.flatnonzero(model.mixture[:, k].any(axis=0)).tolist())
+        pieces, mix = partial(_pieces, k, shown), partial(_mix, shown)
+        places = nodes if len(shown) > 1 else nodes[:1]  # of a slide its mass alone
+        if shown:
+            found.append(Claim("carried_load", names[k], "kg", pieces, BOUNDS, shared=True, nodes=places, mix=mix))
+    return tuple(found)
+
+
+def _along(model: Model) -> tuple[Node, ...]:
     longest = [joint.length or 0.0 for joint in model.joints] if model.chain else [model.thigh_length] * 2
     reach = 1.5 * max(longest) or 0.6
-    nodes = tuple(float(x) for x in np.linspace(reach / PLACES, reach, PLACES))
-    return tuple(
-        Claim("carried_load", name, "kg", partial(_pieces, k), (0.0, HEAVIEST), shared=True, nodes=nodes, mix=_mix)
-        for k, name in enumerate(names)
-    )
+    return tuple((float(x),) for x in np.linspace(reach / PLACES, reach, PLACES))
 
 
-def _pieces(link: int, seen: Seen) -> Float:
-    """Torques (J, K, 3) that inertia, first moment and mass of one link ask of the drives."""
-    mixture = seen.model.mixture[:, link]
+def _in_space(model: Model) -> tuple[Node, ...]:
+    """Places (3,) in the frame of a joint: its origin, and near and far from it in every direction."""
+    reach = max(math.hypot(*(joint.origin or HERE).xyz) for joint in model.joints) or 0.6
+    ways = [way for way in product((0.0, 1.0, -1.0), repeat=3) if any(way)]
+    return ((0.0, 0.0, 0.0), *((r * x, r * y, r * z) for r in (0.2 * reach, 0.6 * reach) for x, y, z in ways))
+
+
+def _pieces(link: int, shown: tuple[int, ...], seen: Seen) -> Float:
+    """Torques (J, K, m) that the inertial numbers of one link which show ask of the drives."""
+    mixture = seen.model.mixture[:, link, list(shown)]
     return np.asarray(seen.columns[:, :, : len(mixture)] @ mixture)
 
 
-def _mix(at: float) -> Float:
-    return np.array([at**2, at, 1.0])
+def _mix(shown: tuple[int, ...], at: Node) -> Float:
+    """Return those numbers (m,) of 1 kg at a place."""
+    return one_kg_at(at)[list(shown)]
 
 
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:

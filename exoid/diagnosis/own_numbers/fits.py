@@ -208,6 +208,17 @@ class Fits:
         whole = self.sums(state).sum(axis=(0, 1))
         return float(whole[-1, -1] - whole[:-1, -1] @ self.solved(whole)[0])
 
+    def place_step(self, state: State) -> Float:
+        """Gauss-Newton step (D,) of the node of the last claim, taken with all numbers."""
+        *_, held = state
+        numbers, chosen = self.together(state)[-len(held.groups) :], self.chosen(state)
+        turned = np.zeros((*chosen.shape[:2], len(held.node)))
+        for group, number in zip(held.groups, numbers, strict=True):
+            turned[list(group), self.place[held.claim]] = number * held.turn
+        both = np.concatenate([chosen[:, :, :-1], turned, chosen[:, :, -1:]], axis=2)
+        whole = (np.swapaxes(both, 1, 2) @ self.grams.sum(axis=1) @ both).sum(axis=0)
+        return self.solved(whole)[0][-len(held.node) :]
+
     def rescale(self, state: State) -> None:
         """Count losses from here on in units of what `state` leaves: beside what is large, bursts would be nothing."""
         step = self.together(state)
@@ -261,7 +272,7 @@ class Fits:
             return ()
         claims = [Claim("curve", joint, "N·m", nothing, (-np.inf, np.inf)) for _ in range(splines.basis.shape[1])]
         self.take(claims, [columns.full(0, len(names)) for columns in splines.columns])
-        self.curves[joint] = tuple(Claimed(claim, 0.0, (tuple(range(len(self.rows))),)) for claim in claims)
+        self.curves[joint] = tuple(Claimed(claim, (), (tuple(range(len(self.rows))),)) for claim in claims)
         return self.curves[joint]
 
     def take(self, claims: Sequence[Claim], columns: Sequence[Float]) -> None:

@@ -19,13 +19,14 @@ from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers, with_numbers
 from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.minimum import minimum
 from exoid.ground.ties import ascending, index_of_least, least_of
 
 TRIED = 4
 """Claims that are looked at more closely in a round, those that promise most."""
 WITHIN = 1e-3
 """Part of the distance between nodes to which the best place is found."""
+MOVES, HALVINGS = 30, 6
+"""Steps to it at most, and how often one that does not help is halved."""
 
 
 def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
@@ -54,18 +55,27 @@ def placed(fits: Fits, state: State) -> State:
 
 
 def at_best_node(fits: Fits, rest: State, held: Claimed) -> Claimed:
-    """Return a claim at the node that fits best beside the `rest`: among its own, then between their neighbours."""
-    nodes = np.array(held.claim.nodes)
+    """Return a claim at the node that fits best beside the `rest`: among its own, then from there by Gauss-Newton steps
+    with all numbers, none longer than the distance of nodes.
+    """
+    nodes = held.claim.nodes
     if len(nodes) < 2:
         return held
-
-    def squares(node: float) -> float:
-        return fits.squares((*rest, replace(held, node=node)))
-
-    best = least_of([replace(held, node=float(node)) for node in nodes], lambda one: fits.loss((*rest, one)), 1.0)
-    step = float(nodes[1] - nodes[0])
-    low = max(best.node - step, WITHIN * step)
-    return replace(held, node=minimum(squares, low, best.node + step, WITHIN * step)[0])
+    best = least_of([replace(held, node=node) for node in nodes], lambda one: fits.loss((*rest, one)), 1.0)
+    reach, squares = float(np.linalg.norm(np.diff(nodes[:2], axis=0))), fits.squares((*rest, best))
+    for _ in range(MOVES):
+        step = fits.place_step((*rest, best))
+        step *= min(1.0, reach / max(float(np.linalg.norm(step)), 1e-300))
+        for _ in range(HALVINGS):
+            if np.linalg.norm(step) < WITHIN * reach:
+                return best
+            node = np.add(best.node, step)
+            moved = replace(best, node=tuple((node if node.size > 1 else np.maximum(node, WITHIN * reach)).tolist()))
+            if (reached := fits.squares((*rest, moved))) < squares:
+                best, squares = moved, reached
+                break
+            step *= 0.5
+    return best
 
 
 class _Search:
@@ -84,18 +94,22 @@ class _Search:
 
     def found(self, state: State) -> State:
         """The claims that hold, of those that are held already and others."""
-        if self.many > 1:
-            state = self._of_everyone(state)
         while True:
             self.fits.weigh(state)
+            if self.many > 1:
+                state = self._of_everyone(state)
+                self.fits.weigh(state)
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
             alike = [(*state, held) for held in self._common(state)]
             best = least_of([*alike, *longer], self.fits.weighed_loss, 1.0) if alike or longer else state
-            if alike and best[-1].claim not in [item[-1].claim for item in alike]:
-                simple = least_of(alike, self.fits.weighed_loss, 1.0)
+            # One number for all may explain as much, and so may the same on another link: a load at a pivot is on both.
+            simpler = [least_of(alike, self.fits.weighed_loss, 1.0)] if alike and best not in alike else []
+            simpler += [one for one in longer if one[-1].is_plainer(best[-1])]
+            for simple in simpler:
                 self.fits.weigh(best)
                 if not self.fits.pays(simple, best, self.clear):
-                    best = simple  # one number for all explains as much
+                    best = simple
+                    break
             self.fits.weigh(best)
             if not self.fits.pays(state, best, self.clear) or self._is_a_curve(state, best[-1]):
                 break

@@ -11,7 +11,7 @@ import numpy as np
 from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.gain import pooled_scale
-from exoid.diagnosis.hypotheses import Claim, Seen, sentence_on
+from exoid.diagnosis.hypotheses import Claim, Node, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State
 from exoid.diagnosis.rules import Rules
@@ -218,28 +218,39 @@ class Spread:
     critical: float
     width: Float
     count: int
-    places: Mapping[Claim, int]
+    places: Mapping[Claim, slice]
 
     def number(self, at: int) -> float:
         """Half-width of an own number."""
         return float(self.width[self.count + at])
 
+    def place(self, claim: Claim, node: Node) -> tuple[Estimate, Float]:
+        """How far from its joint a load is, m, and the direction (D,) there; what no motion shows of it is left out."""
+        rows = self.places[claim]
+        known = np.where(np.isfinite(self.width[rows]), node, 0.0)
+        far = float(np.linalg.norm(known))
+        toward = known / max(far, 1e-300)
+        square = max(float(toward @ self.matrix[rows, rows] @ toward), 0.0)
+        half = self.critical * float(np.sqrt(square)) if far else np.inf
+        return Estimate("place", far, "m", far - half, far + half), toward
+
     def load(
-        self, claim: Claim, node: float, number: float, at: int, rules: Rules
+        self, claim: Claim, node: Node, number: float, at: int, rules: Rules
     ) -> tuple[list[float], Float, str, Estimate | None]:
-        """Half-width, value and unit of a load and its place; where nobody can tell these apart, of its first moment or
-        inertia, without a place.
+        """Half-width, value and unit of a load, and its place where that is known; where nobody can tell its mass, of
+        its first moment or inertia, without a place.
         """
-        rows = [self.count + at, self.places[claim]]
-        both, far = self.matrix[np.ix_(rows, rows)], self.width[rows]
-        if np.all(far <= rules.half * np.array([number, node])):
-            place = Estimate("place", node, "m", node - float(far[1]), node + float(far[1]))
-            return [float(far[0])], np.array([number]), claim.unit, place
-        told = []
+        place, toward = self.place(claim, node)
+        width = self.number(at)
+        if width <= rules.half * number:
+            known = place.high - place.value <= rules.half * place.value
+            return [width], np.array([number]), claim.unit, place if known else None
+        rows, far = np.r_[self.count + at, self.places[claim]], place.value
+        both, told = self.matrix[np.ix_(rows, rows)], []
         for power, unit in ((1, "kg·m"), (2, "kg·m²")):
-            slope = np.array([node**power, power * number * node ** (power - 1)])
-            width = self.critical * float(np.sqrt(max(slope @ both @ slope, 0.0)))
-            told.append((width / (number * node**power), width, number * node**power, unit))
+            slope = np.append(far**power, power * number * far ** (power - 1) * toward)
+            half = self.critical * float(np.sqrt(max(float(slope @ both @ slope), 0.0)))
+            told.append((half / (number * far**power), half, number * far**power, unit))
         _, width, value, unit = least_of(told, lambda one: one[0], 1.0)
         return [width], np.array([value]), unit, None
 
@@ -251,22 +262,22 @@ def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     groups = [(held, group) for held in state for group in held.groups]
     slopes = []
     for c, (held, group) in enumerate(groups):
-        if len(held.claim.nodes) > 1:
-            h = 1e-4 * held.node
-            turn = (held.claim.mix(held.node + h) - held.claim.mix(held.node - h)) / (2.0 * h)
-            slopes.append((held.claim, group, step[fits.count + c] * turn))
+        if held.node:
+            slopes.append((held.claim, group, step[fits.count + c] * held.turn))
     columns = []
     by_model = fits.slopes(state, step[fits.count :])
     for j, (rows, chosen) in enumerate(zip(fits.rows, fits.chosen(state), strict=True)):
         own = [rows[:, :, fits.place[claim]] @ turn * (j in group) for claim, group, turn in slopes]
         both = rows @ chosen[:, :-1]
         both[:, :, : by_model[j].shape[2]] += by_model[j]
-        columns.append(np.concatenate([both, *(x[:, :, None] for x in own)], axis=2))
+        columns.append(np.concatenate([both, *own], axis=2))
     recordings = np.repeat([part.recording for part in fits.parts], [column.shape[1] for column in columns])
     found = covariance(
         np.concatenate(columns, axis=1), np.concatenate(left, axis=1), fits.rules.robust * sigma, recordings
     )
-    places = {claim: fits.count + len(groups) + k for k, (claim, _, _) in enumerate(slopes)}
+    first = fits.count + len(groups)
+    ends = first + np.cumsum([turn.shape[1] for _, _, turn in slopes], dtype=int)
+    places = {claim: slice(end - turn.shape[1], end) for (claim, _, turn), end in zip(slopes, ends, strict=True)}
     return Spread(found.matrix, found.critical, found.half_widths(), fits.count, places)
 
 
@@ -277,7 +288,7 @@ def _told(
     claim, prepared = held.claim, fits.now.prepared
     known = [spread.number(at + k) for k in range(len(numbers))]
     unit, place = claim.unit, None
-    if len(claim.nodes) > 1:
+    if held.node:
         known, numbers, unit, place = spread.load(claim, held.node, float(numbers[0]), at, fits.rules)
     told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
     for group, x, w in zip(held.groups, claim.usual + numbers, known, strict=True):
@@ -293,11 +304,16 @@ def _told(
     out = []
     for values, spans in told.values():
         said = {name: _said(values[name]) for name in sorted(values)}
-        where = "" if place is None else f" at {_said(place)}"
+        where = "" if place is None else f" at {_said(place)}{_in_space(held.node)}"
         sentence = sentence_on(claim, said, where, _when(spans))
         ordered = {name: values[name] for name in said}
         out.append(Belonging(claim.what, claim.place, unit, ordered, sentence, place, spans))
     return out
+
+
+def _in_space(node: Node) -> str:
+    """Words such as " from its joint (0.002, 0, -0.251)", as `--payload` takes a place; "" for one along a link."""
+    return f" from its joint ({', '.join(f'{x:.3g}' for x in node)})" if len(node) > 1 else ""
 
 
 def _when(spans: Mapping[str, Span]) -> str:

@@ -10,9 +10,10 @@ import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel, starts_within
 from exoid.diagnosis.evidence.gain import RecordingEvidence
-from exoid.diagnosis.hypotheses import Claim, StateColumn
+from exoid.diagnosis.hypotheses import Claim, Node, StateColumn
 from exoid.measurement.reading.names import joints_of
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.joints import Vector
 from exoid.symbolic.motion import Float
 
 Cuts = dict[int, int]
@@ -24,17 +25,36 @@ class Claimed:
     """A claim that is held true, at a node; each of the `groups` of parts (indices) has a number."""
 
     claim: Claim
-    node: float
+    node: Node
     groups: tuple[tuple[int, ...], ...]
 
     @property
     def count(self) -> int:
         """Numbers that tell it in one group: of what has a place, that place, too."""
-        return 1 + (len(self.claim.nodes) > 1)
+        return 1 + (len(self.node) if len(self.claim.nodes) > 1 else 0)
+
+    def is_plainer(self, other: Claimed) -> bool:
+        """True if it says what another does, in fewer numbers."""
+        return self.claim.what == other.claim.what and self.count < other.count
+
+    @property
+    def along(self) -> float | Vector:
+        """Place of a load as a `Payload` has it: m along its link, or three numbers in space."""
+        first, *others = self.node
+        return (first, others[0], others[1]) if others else first
+
+    @property
+    def turn(self) -> Float:
+        """Derivative (m, D) of how its pieces are mixed, by its node (D,)."""
+        steps = STEP * np.eye(len(self.node))
+        ends = [[self.claim.mix(tuple(self.node + way * step)) for way in (1.0, -1.0)] for step in steps]
+        return np.stack([(ahead - behind) / (2.0 * STEP) for ahead, behind in ends], axis=1)
 
 
 State = tuple[Claimed, ...]
 
+STEP = 1e-4
+"""m by which a place is moved for a derivative: inertias are squares of it, of which the difference is exact."""
 QUIET = 0.3
 """Standard deviations of a further column that it may vary within a second."""
 STATES = 4

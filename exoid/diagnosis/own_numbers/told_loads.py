@@ -68,5 +68,5 @@ def with_loads_weighed(
         if not found.low > 0.0:
             what = f"a load on the {told.joint} of {name} cannot be told from nothing"
             raise NotEnoughDataError(what, where=f"--payload {name}", remedy=WITHOUT)
-        carrying[k] = every[k].with_payload(float(mass), item.node, str(item.claim.place))
+        carrying[k] = every[k].with_payload(float(mass), item.along, str(item.claim.place))
     return tuple(carrying[: len(recordings)]), tuple(carrying[len(recordings) :]), own.told

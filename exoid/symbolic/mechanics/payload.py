@@ -8,6 +8,7 @@ ASME Journal of Dynamic Systems, Measurement, and Control 136(5), 2014).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,14 +86,16 @@ class Payload:
         if self.link not in (*names, "shank"):
             raise self._no_link(" or ".join(names))
         index = names.index(self.link) if self.link in names else len(names) - 1
-        return read_only(model.mixture[:, index] @ self._own)
-
-    @property
-    def _own(self) -> Float:
-        """Its inertia, first moment and mass about the link's upper joint, (3,), or its ten numbers in space."""
-        if isinstance(self.along, tuple):
-            return np.array([*about_joint(self.mass, self.along, np.zeros((3, 3))).values()])
-        return self.mass * np.array([self.along**2, self.along, 1.0])
+        return read_only(model.mixture[:, index] @ (self.mass * one_kg_at(self._place)))
 
     def _no_link(self, links: str) -> PayloadError:
         return PayloadError(f"there is no link {self.link!r}", where=str(self), remedy=links)
+
+
+def one_kg_at(place: Sequence[float]) -> Float:
+    """Inertia, first moment and mass of 1 kg at a `place` on the axis of a link about its upper joint, (3,), or its ten
+    numbers in space.
+    """
+    if len(place) == 1:
+        return np.array([place[0] ** 2, place[0], 1.0])
+    return np.array([*about_joint(1.0, place, np.zeros((3, 3))).values()])
