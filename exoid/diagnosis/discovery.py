@@ -211,15 +211,19 @@ def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
 
 def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:
     """Yield the model that was found, then with each of the entries that come nearest to what it leaves, fitted to all
-    recordings: a number of a recording's own has seen a part of that recording, too, held out or not.
+    recordings: a number of a recording's own has seen a part of that recording, too, held out or not. What has such
+    numbers itself, as a drift that began at another time in each, is no plainer.
     """
     found, names, least = answer.model, [term.name for term in answer.model.terms], question.rules.worth_telling
-    near = [suspect for suspect in answer.suspects if suspect.name not in names and suspect.explained_share >= least]
-    nearest = ascending(near, lambda one: -one.explained_share, 1.0)[:NEAREST]
     own = {effect.id: effect for effect in question.entries(given)}  # the model alone does not know these
-    effects = [own.get(item.effect) or found.find_effect(item.effect) for item in nearest]
-    with_one = (found.with_effect(effect, entry.joint) for effect, entry in zip(effects, nearest, strict=True))
-    for model in (found, *with_one):
+    near = [
+        (suspect, own.get(suspect.effect) or found.find_effect(suspect.effect))
+        for suspect in answer.suspects
+        if suspect.name not in names and suspect.explained_share >= least
+    ]
+    plain = [pair for pair in near if not pair[1].has_own_numbers]
+    nearest = ascending(plain, lambda pair: -pair[0].explained_share, 1.0)[:NEAREST]
+    for model in (found, *(found.with_effect(effect, suspect.joint) for suspect, effect in nearest)):
         yield _on(identify(model, given.all, optimisers=()), given)
 
 

@@ -159,6 +159,11 @@ class Effect:
         return "own and next" if self.on_both else "own"
 
     @property
+    def has_own_numbers(self) -> bool:
+        """True if each recording has a number of its own that is no place."""
+        return any(shape.per_recording and shape.spacing != "position" for shape in self.shape.values())
+
+    @property
     def on_both(self) -> bool:
         """True if the effect acts on both joints at once."""
         return self.joints == ("both",)
