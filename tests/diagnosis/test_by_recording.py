@@ -361,6 +361,15 @@ def test_a_leg_with_a_box_on_its_shank():
     }
 
 
+@pytest.mark.parametrize("seed", [0, 2, 3])
+def test_zeros_are_no_drift_that_began_at_another_time_in_each(seed):
+    rng = np.random.default_rng(seed)
+    runs = [drive(k, zero=zero) for k, zero in enumerate([*-0.4 + 0.08 * rng.standard_normal(3), 0.27])]
+    runs = [replace(run, tau=run.tau + 0.2 * rng.standard_normal(run.tau.shape)) for run in runs]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert found.verdict == "adequate" and set(told(found)) == {"sensor_zero"}
+
+
 CART = Model("cart", joints=(Joint("cart", "prismatic", axis=(1, 0, 0)), Joint("pole", axis=(0, -1, 0))))
 
 
