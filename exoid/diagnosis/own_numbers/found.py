@@ -104,7 +104,7 @@ class _Search:
             best = least_of([*alike, *longer], self.fits.weighed_loss, 1.0) if alike or longer else state
             # One number for all may explain as much, and so may the same on another link: a load at a pivot is on both.
             simpler = [least_of(alike, self.fits.weighed_loss, 1.0)] if alike and best not in alike else []
-            simpler += [one for one in longer if one[-1].is_plainer(best[-1])]
+            simpler += [item for item in longer if item[-1].is_plainer(best[-1])]
             for simple in simpler:
                 self.fits.weigh(best)
                 if not self.fits.pays(simple, best, self.clear):
