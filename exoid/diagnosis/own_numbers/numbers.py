@@ -225,7 +225,7 @@ class Spread:
         return float(self.width[self.count + at])
 
     def place(self, claim: Claim, node: Node) -> tuple[Estimate, Float]:
-        """How far from its joint a load is, m, and the direction (D,) there; what no motion shows of it is left out."""
+        """Distance of a load from its joint, m, and the direction (D,) there, without what no motion shows of it."""
         rows = self.places[claim]
         known = np.where(np.isfinite(self.width[rows]), node, 0.0)
         far = float(np.linalg.norm(known))

@@ -96,7 +96,7 @@ def trimmed(windows: Windows, solve: Solver) -> tuple[Float, Mask] | None:
         return None
 
     def steps(chosen: Mask, times: int) -> tuple[Float, Mask, Float]:
-        """Return what is left (S,) after so many steps, the windows (S, M) and the numbers (S, P)."""
+        """Squares left (S,) after so many steps, the windows (S, M) and the numbers (S, P)."""
         for _ in range(times):
             x = windows.solved(chosen, solve)
             losses = windows.losses(x)
