@@ -375,7 +375,8 @@ class BeforeAfter:
 
         place = None
         if claim in spread.places:
-            place = spread.place(claim, own[0].node)[0]
+            told = spread.place(claim, own[0].node)[0]
+            place = told if np.isfinite(told.high) else None
         shape = {} if asked.candidate is None or not asked.candidate.term.effect.coefficients else dict(
             zip(asked.candidate.term.effect.shape, map(float, one.node), strict=True)
         )

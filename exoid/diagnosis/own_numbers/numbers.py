@@ -232,7 +232,7 @@ class Spread:
         toward = known / max(far, 1e-300)
         square = max(float(toward @ self.matrix[rows, rows] @ toward), 0.0)
         half = self.critical * float(np.sqrt(square)) if far else np.inf
-        return Estimate("place", far, "m", far - half, far + half), toward
+        return Estimate("place", far, "m", max(0.0, far - half), far + half), toward
 
     def load(
         self, claim: Claim, node: Node, number: float, at: int, rules: Rules
@@ -242,7 +242,7 @@ class Spread:
         """
         place, toward = self.place(claim, node)
         width = self.number(at)
-        if width <= rules.half * number:
+        if width <= rules.half * number or not place.value:
             known = place.high - place.value <= rules.half * place.value
             return [width], np.array([number]), claim.unit, place if known else None
         rows, far = np.r_[self.count + at, self.places[claim]], place.value
