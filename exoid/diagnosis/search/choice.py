@@ -28,8 +28,9 @@ Refined = tuple[Score, list[Columns]]
 """A score at refined shape values, and its columns there."""
 
 
-OVER_NOISE = 5.0
-"""Times the loss that noise makes, the most that a candidate may gain from it, with room for what a fit makes worse."""
+OVER_NOISE = 2.0
+"""Times the loss that noise makes, the most that a candidate may gain from it: all of it, as much again for a fit that is
+worse there."""
 
 
 @dataclass(frozen=True, eq=False)
