@@ -29,8 +29,8 @@ Refined = tuple[Score, list[Columns]]
 
 
 OVER_NOISE = 2.0
-"""Times the loss that noise makes, the most that a candidate may gain from it: all of it, as much again for a fit that is
-worse there."""
+"""Times the loss that noise makes, the most that a candidate may gain from it: all of it, and as much again where a fit
+is worse."""
 
 
 @dataclass(frozen=True, eq=False)
