@@ -155,12 +155,14 @@ def _beside_own(
     if beside is None:
         return answer
     alone = beside if answer.fit is base.fit else belonging_to(base, rules)
-    machines = [explained_by(last, found) for found in _of_machine_alone(question, answer, given)]
+    machines = [(explained_by(last, found), found) for found in _of_machine_alone(question, answer, given)]
 
     def is_worth(own: OwnNumbers, beside: FittedModel) -> bool:
-        """True if they predict clearly better, and no effect of the machine explains nearly as much as many numbers."""
-        return predicts_better(last, beside, rules, own.cuts) and not any(
-            share >= rules.most * explained_by(last, beside) for share in machines
+        """True if they predict clearly better, beside an effect of the machine that explains nearly as much, too."""
+        least = rules.most * explained_by(last, beside)
+        return predicts_better(last, beside, rules, own.cuts) and all(
+            share < least or predicts_better(found, own.beside(found.model, given), rules, own.cuts)
+            for share, found in machines
         )
 
     def is_worth_asking(own: OwnNumbers) -> bool:

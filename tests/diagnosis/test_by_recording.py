@@ -406,3 +406,14 @@ def test_of_an_arm_the_load_is_asked_at_its_end():
     links = [Joint(f"j{k}", axis=(0, k % 2, 1 - k % 2), origin=(0.1, 0.0, 0.3)) for k in range(4)]
     asked = [claim.place for claim in claims_of(Model("arm", joints=tuple(links))) if claim.what == "carried_load"]
     assert asked == ["j3"]
+
+
+def test_a_load_is_told_beside_a_spring_that_explains_as_much():
+    def pulled(k):
+        swung = drive(k, NUMBERS + (1.2 * np.array([0.09, 0.3, 0.0, 0.0]) if k in (0, 3) else 0.0))
+        return replace(swung, tau=swung.tau + 2.5 * (swung.q - 0.2))
+
+    runs = [pulled(k) for k in range(5)]
+    found = discover(AXIS, runs[:4], runs[4])
+    assert [one.effect for one in found.accepted] == ["joint_spring"]
+    assert told(found)["carried_load"] == pytest.approx({"run_0": 1.2, "run_3": 1.2}, abs=0.05)
