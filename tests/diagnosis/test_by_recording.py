@@ -417,3 +417,14 @@ def test_a_load_is_told_beside_a_spring_that_explains_as_much():
     found = discover(AXIS, runs[:4], runs[4])
     assert [one.effect for one in found.accepted] == ["joint_spring"]
     assert told(found)["carried_load"] == pytest.approx({"run_0": 1.2, "run_3": 1.2}, abs=0.05)
+
+
+@pytest.mark.parametrize("inertia", [0.1, 0.3])
+def test_of_a_load_that_no_gravity_weighs_its_inertia_is_told(inertia):
+    level = Model("drive", joints=AXIS.joints, gravity=0.0)
+    runs = [drive(k, [0.3 + inertia * (k in (1, 3)), 1.2, 0.5], model=level) for k in range(4)]
+    found = discover(level, runs[:3], runs[3])
+    assert found.verdict == "adequate"
+    assert told(found) == {"carried_load": pytest.approx({"run_1": inertia, "run_3": inertia}, abs=0.001)}
+    (load,) = found.of_recordings
+    assert load.unit == "kg·m²" and load.place is None

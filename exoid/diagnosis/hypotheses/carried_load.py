@@ -12,6 +12,7 @@ import numpy as np
 from exoid.diagnosis.hypotheses import Claim, Node, Seen, StateColumn, each_said, listed
 from exoid.symbolic.joints import HERE, parents
 from exoid.symbolic.mechanics.payload import HEAVIEST, LINKS, one_kg_at
+from exoid.symbolic.mechanics.spatial import AXES, INERTIAS, MOMENTS
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -20,6 +21,9 @@ PLACES = 24
 FEW = 3
 """Joints of a machine in space, at most, each link of which is asked about: an arm holds its load at its end."""
 BOUNDS = (0.0, HEAVIEST)
+UNITS = ("kg·m²", "kg·m", "kg")
+UNITS_IN_SPACE = (*("kg·m²",) * len(INERTIAS), *("kg·m",) * len(MOMENTS), "kg")
+"""Units of the inertial numbers of a link."""
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
@@ -29,14 +33,17 @@ def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     if model.spatial and len(names) > FEW:
         carrying = parents(model.joints)
         links = [k for k in links if k not in carrying]
-    nodes = _in_space(model) if model.spatial else _along(model)
+    nodes, at_one = (_in_space(model), AXES) if model.spatial else (_along(model), ((1.0,),))
+    units = UNITS_IN_SPACE if model.spatial else UNITS
     found = []
     for k in links:
         shown = tuple(np.flatnonzero(model.mixture[:, k].any(axis=0)).tolist())
         pieces, mix = partial(_pieces, k, shown), partial(_mix, shown)
-        places = nodes if len(shown) > 1 else nodes[:1]  # of a slide its mass alone
-        if shown:
-            found.append(Claim("carried_load", names[k], "kg", pieces, BOUNDS, shared=True, nodes=places, mix=mix))
+        places, unit = nodes, "kg"
+        if len(shown) == 1:  # as of a slide its mass: that number is told, which 1 kg at 1 m has as 1
+            places, unit = tuple(at for at in at_one if mix(at)[0] == 1.0)[:1], units[shown[0]]
+        if shown and places:
+            found.append(Claim("carried_load", names[k], unit, pieces, BOUNDS, shared=True, nodes=places, mix=mix))
     return tuple(found)
 
 

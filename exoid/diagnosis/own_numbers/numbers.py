@@ -262,7 +262,7 @@ def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     groups = [(held, group) for held in state for group in held.groups]
     slopes = []
     for c, (held, group) in enumerate(groups):
-        if held.node:
+        if len(held.claim.nodes) > 1:
             slopes.append((held.claim, group, step[fits.count + c] * held.turn))
     columns = []
     by_model = fits.slopes(state, step[fits.count :])
@@ -288,7 +288,7 @@ def _told(
     claim, prepared = held.claim, fits.now.prepared
     known = [spread.number(at + k) for k in range(len(numbers))]
     unit, place = claim.unit, None
-    if held.node:
+    if len(claim.nodes) > 1:
         known, numbers, unit, place = spread.load(claim, held.node, float(numbers[0]), at, fits.rules)
     told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
     for group, x, w in zip(held.groups, claim.usual + numbers, known, strict=True):
