@@ -10,8 +10,6 @@ slow part, where the motion is, as white noise of its size.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from exoid.ground.thresholds import threshold
@@ -49,17 +47,8 @@ TRACKING = threshold(
 )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class Place:
-    """The place of a copy: what has to be added to the times of the copy, and its first and last sample."""
-
-    offset: float
-    first: int
-    last: int
-
-
-def noisy_copy(t: Float, values: Float, copy_t: Float, copy: Float, offset: float) -> Place | None:
-    """Return the place in `copy` (M, C) at the times `copy_t` in which all channels are `values` (N, C) at the times
+def noisy_copy(t: Float, values: Float, copy_t: Float, copy: Float, offset: float) -> slice | None:
+    """Return the samples of `copy` (M, C) at the times `copy_t` in which all channels are `values` (N, C) at the times
     `t`, with noise added, where `offset` makes the ones the others; None where they are not.
     """
     inside = np.flatnonzero((copy_t + offset >= t[0]) & (copy_t + offset <= t[-1]))
@@ -70,7 +59,7 @@ def noisy_copy(t: Float, values: Float, copy_t: Float, copy: Float, offset: floa
     original = np.column_stack([np.interp(copy_t[rows] + offset, t, column) for column in values.T])
     told = [_evidence(x, y, slower) for x, y in zip(original.T, copy[rows].T, strict=True)]
     sure = sum(told) > SURE and min(told) > OWN
-    return Place(offset, rows.start, rows.stop) if sure else None
+    return rows if sure else None
 
 
 def _rate(t: Float) -> float:

@@ -148,14 +148,14 @@ def _noisy_rows(first: Recording, second: Recording, a: Float, b: Float) -> Mask
         offset = offset_of(t, a, other, b)
         if offset is None:
             continue
-        place = noisy_copy(t, a, other, b, offset)
-        if place is not None:
-            rows[place.first : place.last] = True
+        copied = noisy_copy(t, a, other, b, offset)
+        if copied is not None:
+            rows[copied] = True
             return rows
-        place = noisy_copy(other, b, t, a, -offset)
-        if place is not None:
-            inside = (other >= t[place.first] + place.offset) & (other <= t[place.last - 1] + place.offset)
-            return np.asarray(inside)
+        copied = noisy_copy(other, b, t, a, -offset)
+        if copied is not None:
+            inside = t[copied] - offset
+            return np.asarray((other >= inside[0]) & (other <= inside[-1]))
     return rows
 
 

@@ -215,6 +215,11 @@ def inverse_of(grams: Float) -> Float:
     return np.asarray(np.linalg.pinv(grams / norm, rcond=1e-11, hermitian=True) / norm)
 
 
+def numbers_of(grams: Float, products: Float) -> Float:
+    """Return the numbers (..., P) that normal equations with Gram matrices (..., P, P) and `products` (..., P) have."""
+    return np.asarray((inverse_of(grams) @ products[..., None])[..., 0])
+
+
 def weighted_fit(
     columns: Sequence[Float], weights: Sequence[Float], residuals: Sequence[Float], prior: Float
 ) -> tuple[Float, Float]:

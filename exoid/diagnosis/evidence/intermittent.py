@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from exoid.diagnosis.evidence.columns import stacked
 from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.gram import inverse_of
+from exoid.diagnosis.evidence.gram import numbers_of
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import threshold
@@ -169,15 +169,11 @@ def _view(base: FittedModel, index: int, sample: Float) -> _View:
     return _View(recording, columns * weight[:, :, None], tau, seen, max(1, round(WINDOW * recording.rate)))
 
 
-def _solved(gram: Float, slope: Float) -> Float:
-    return np.asarray((inverse_of(gram) @ slope[..., None])[..., 0])
-
-
 def _quiet_part(windows: Windows, rules: Rules) -> tuple[Float, NDArray[np.bool_]] | None:
     """Return the numbers (P,) that explain part of the windows best, and which (M,) they explain; None where these are
     too few, or nearly all.
     """
-    best = trimmed(windows, _solved)
+    best = trimmed(windows, numbers_of)
     if best is None:
         return None
     x, quiet = _settled(windows, best[0], _lower)
@@ -195,7 +191,7 @@ def _settled(
         if np.array_equal(now, quiet):
             break
         quiet = now
-        x = windows.solved(quiet[None], _solved)[0]
+        x = windows.solved(quiet[None], numbers_of)[0]
     return x, quiet
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from exoid.diagnosis.evidence.gram import numbers_of
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State
 from exoid.ground.ties import index_of_least
@@ -48,9 +49,8 @@ def changes_of(fits: Fits, state: State) -> Cuts:
 
 def _left(grams: Float) -> Float:
     """Squared errors (...) that the columns of Gram matrices (..., D, D) leave of the last one."""
-    inverse, product = np.linalg.pinv(grams[..., :-1, :-1], rcond=1e-10, hermitian=True), grams[..., :-1, -1]
-    numbers = (inverse @ product[..., None])[..., 0]
-    return np.maximum(grams[..., -1, -1] - np.sum(product * numbers, axis=-1), 0.0)
+    product = grams[..., :-1, -1]
+    return np.maximum(grams[..., -1, -1] - np.sum(product * numbers_of(grams[..., :-1, :-1], product), axis=-1), 0.0)
 
 
 def sharpened(fits: Fits, state: State) -> Cuts:

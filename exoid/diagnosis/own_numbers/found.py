@@ -96,8 +96,8 @@ class _Search:
         """The claims that hold, of those that are held already and others."""
         while True:
             self.fits.weigh(state)
-            if self.many > 1:
-                state = self._of_everyone(state)
+            if self.many > 1 and (more := self._of_everyone(state)) != state:
+                state = more
                 self.fits.weigh(state)
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
             alike = [(*state, held) for held in self._common(state)]

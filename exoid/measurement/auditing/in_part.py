@@ -28,13 +28,13 @@ def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis
     """
     scale = np.sqrt(np.mean([m.tau.var(axis=0) for group in sets for m in group], axis=0))
     left, count = 0.0, 0
+
+    def solve(grams: Float, slopes: Float) -> Float:
+        pairs = zip(grams, slopes, strict=True)
+        return np.array([non_negative(*pair, either=len(scale)) for pair in pairs])  # offsets of either sign
+
     for group in sets:
         windows = joined([_windows(motion, reading, scale) for motion in group])
-
-        def solve(grams: Float, slopes: Float) -> Float:
-            pairs = zip(grams, slopes, strict=True)
-            return np.array([non_negative(*pair, either=len(scale)) for pair in pairs])  # offsets of either sign
-
         best = trimmed(windows, solve)
         if best is None:
             continue
