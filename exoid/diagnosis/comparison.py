@@ -104,17 +104,17 @@ class Comparison(Reported):
         """Draw measured and modelled torque over time, with what is left."""
         return torques_over_time({"model": self.now})
 
-    def before_and_after(self, after: Fit) -> tuple[str, str, Figure]:
-        """Return (title, alternative text, figure): the measured torque, this model and the one of `after`.
+    def before_and_after(self, after: FittedModel) -> tuple[str, str, Figure]:
+        """Return (title, alternative text, figure): the measured torque, this model and the one that came of it, which
+        may be beside what belongs to recordings.
 
         On the first recording that is held out, or the first of all.
         """
-        other = fitted_model(after, self.now.prepared)
         held_out = self.verify_rms is not None
-        pairs = zip(self.joints, self.now.evaluation_rms, other.evaluation_rms, strict=True)
+        pairs = zip(self.joints, self.now.evaluation_rms, after.evaluation_rms, strict=True)
         text = "; ".join(f"{joint}: error {digits(b)} before, {digits(a)} {self.unit} after" for joint, b, a in pairs)
         kind = "unseen motion" if held_out else "the fitted motion"
-        figure = torques_over_time({"before": self.now, "after": other})
+        figure = torques_over_time({"before": self.now, "after": after})
         return f"Measured, before and after, on {kind}", text, figure
 
     def figures(self) -> list[tuple[str, str, Figure]]:

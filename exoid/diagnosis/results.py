@@ -31,6 +31,7 @@ from exoid.ground.text import digits
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import ThighLength
+from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import JOINTS, Estimate
@@ -216,7 +217,8 @@ class Diagnosis(Reported):
     to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
     N·m. `of_recordings` is what belongs to recordings, a zero or a load of their own; `possible` are effects that
     help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
-    fitted to all the recordings as they were prepared. `forces` are the measured ones of the model, `left_out`
+    fitted to all the recordings as they were prepared, `last` the one that was found, on them without what belongs to
+    recordings. `forces` are the measured ones of the model, `left_out`
     recordings that are not of what the others are of, `power` what would have shown where nothing is missing.
     """
 
@@ -249,6 +251,7 @@ class Diagnosis(Reported):
     rules: Rules = field(default=RULES, repr=False)
     thigh_length: ThighLength | None = None
     given: FittedModel | None = field(default=None, repr=False)
+    last: FittedModel | None = field(default=None, repr=False)
     forces: tuple[ForceUse, ...] = ()
     left_out: tuple[Apart, ...] = ()
     power: tuple[Power, ...] = ()
@@ -372,10 +375,9 @@ class Diagnosis(Reported):
         """Material of the report, the recordings apart; `first` is the Comparison of the model asked about."""
         if first is None and self.given is not None:
             first = compare_prepared(self.given.fit, self.given.prepared)
-        changed = first is not None and len(self.steps) > 1
         seen = pictures_of(first, section="where")
-        if changed:
-            top = before_and_after(first, self.fit)
+        if first is not None and len(self.steps) > 1:
+            top = before_and_after(first, self.fitted_on(first.now.prepared))
         else:  # then the answer stands above measured and modelled torque
             top, seen = tuple(replace(picture, section="verdict") for picture in seen[:1]), seen[1:]
         return Material(
@@ -416,13 +418,22 @@ class Diagnosis(Reported):
     def _stable(self) -> list[str]:
         return [f"{self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
 
+    def fitted_on(self, prepared: Prepared) -> FittedModel:
+        """Return the model that was found on all recordings of a question: without what belongs to them, unless some
+        were left out.
+        """
+        names = [item.name for item in prepared.all]
+        if self.last is not None and names == [item.name for item in self.last.prepared.all]:
+            return self.last
+        return fitted_model(self.fit, prepared)
+
     def _torques(self) -> str:
         """Return the picture of the torque before and after, where the recordings are known."""
         if self.given is None:
             return ""
         models = {"model": self.given}
         if len(self.steps) > 1:
-            models = {"before": self.given, "after": fitted_model(self.fit, self.given.prepared)}
+            models = {"before": self.given, "after": self.fitted_on(self.given.prepared)}
         return picture(torques_over_time(models), f"Torque over time, measured, and of: {', '.join(models)}")
 
     def _json(self) -> dict[str, Any]:

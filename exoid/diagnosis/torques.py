@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 def torques_over_time(models: Mapping[str, FittedModel]) -> Figure:
     """Draw the measured torque and that of `models` of the same recordings by name, two at most, with what each leaves.
 
-    On the first recording that is held out, or the first of all.
+    On the first recording that is held out, or the first of all. What a model leaves is without what belongs to the
+    recording beside it (a zero, a load), and its torque with that.
     """
     first = next(iter(models.values()))
     prepared = first.prepared
     index = len(prepared.train) if prepared.verify else 0
     recording = prepared.all[index]
     drawn = {
-        name: (model.torque(index).T, np.where(recording.used, model.residuals[index], np.nan).T)
-        for name, model in models.items()
+        name: ((recording.torque - left).T, np.where(recording.used, left, np.nan).T)
+        for name, left in ((name, model.residuals[index]) for name, model in models.items())
     }
     return over_time(recording.name, recording.t, recording.torque.T, drawn, first.model.joints)

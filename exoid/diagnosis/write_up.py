@@ -177,6 +177,7 @@ def write_up(
         possible=possible,
         rules=done.context.rules,
         given=done.base,
+        last=last.fitted,
         forces=force_uses(last.fitted),
         power=power,
     )

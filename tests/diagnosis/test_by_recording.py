@@ -54,6 +54,17 @@ def test_where_nothing_differs_nothing_is_said():
     assert found.to_json()["of_recordings"] == []
 
 
+def test_what_is_drawn_after_is_what_the_answer_says():
+    runs = [drive(k, zero=zero) for k, zero in enumerate((0.9, -0.6, 0.2, -1.1))]
+    found = discover(AXIS, runs[:3], runs[3])
+    (picture,) = [picture for picture in found.material().pictures if picture.section == "verdict"]
+    before, after, *_ = picture.figure.axes[1].lines
+    errors = [float(np.sqrt(np.nanmean(np.square(line.get_ydata())))) for line in (before, after)]
+    told = [float(found.steps[k].verify_rms[0]) for k in (0, -1)]
+    assert told[1] < 0.1 * told[0]
+    np.testing.assert_allclose(errors, told, rtol=0.05)
+
+
 @pytest.mark.parametrize("held", [0, 3])
 def test_zeros_set_anew_are_told_and_the_rest_is_adequate(held):
     zeros = (0.9, -0.6, 0.2, -1.1)

@@ -101,6 +101,7 @@ class FakeComparison:
     forces: tuple[Any, ...] = ()
     strides: Any = None
     fit: Any = field(default_factory=FakeFit)
+    now: Any = field(default_factory=lambda: SimpleNamespace(prepared=None))
     rms: Any = field(default_factory=lambda: np.array([0.71, 0.53]))
     unit: str = "N·m"
     signal_rms: Any = field(default_factory=lambda: np.array([24.0, 11.0]))
@@ -164,6 +165,9 @@ class FakeDiagnosis:
     power: tuple[Power, ...] = (Power("stribeck", "hip", "c", 17.6, 5.0, "N·m"),)
 
     material = Diagnosis.material
+
+    def fitted_on(self, prepared: Any) -> Any:
+        return None
 
     def figures(self) -> list[tuple[str, str, Any]]:
         return [("Suspects", "Share explained by each suspect, with its placebos.", figure())]

@@ -31,7 +31,9 @@ def told(workspace: Workspace, names: Names) -> dict[str, Any] | None:
     for end, answer in sorted(answers, key=lambda pair: pair[0] != wanted):
         accepted = [term(effect) for effect in answer["accepted"]]
         given = end - set(accepted)
-        for count, step in enumerate(answer["steps"]):
+        first, *steps = answer["steps"]
+        # Before the effects comes what belongs to recordings: the model as given is told without it.
+        for count, step in enumerate((first, *steps[len(steps) - len(accepted) :])):
             if given | set(accepted[:count]) == wanted:
                 return dict(step)
     return None

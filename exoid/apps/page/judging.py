@@ -54,13 +54,11 @@ class Judging:
 
     def after(self, session: Session) -> FittedModel | None:
         """Return the model that was found, on the recordings of this session; None where it is not known (yet)."""
-        from exoid.diagnosis.evidence.fitted import fitted_model
-
         found = self.answer(session)
         if found is None:
             return None
         if self._after is None:
-            self._after = fitted_model(found.fit, session.prepared)
+            self._after = found.fitted_on(session.prepared)
         return self._after
 
     def taken_by(self, session: Session, then: Then) -> BackgroundSearch | None:

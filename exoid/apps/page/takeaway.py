@@ -69,7 +69,7 @@ def report(workspace: Workspace) -> str:
     fits = tuple(session.fitted(p).fit for p in path)
     fall = Waterfall(tuple(steps), session.prepared.noise_floor, origin, fits)
     diagnosis = workspace.diagnoses.get(frozenset(names))
-    now = session.fitted(names)
+    now = session.fitted(names) if diagnosis is None else diagnosis.fitted_on(session.prepared)
     rms = ", ".join(
         f"{joint.name} {digits(error)} {joint.unit('tau')}"
         for joint, error in zip(session.model.joints, now.evaluation_rms, strict=True)
@@ -81,7 +81,7 @@ def report(workspace: Workspace) -> str:
     shown = diagnosis or fall
     with DRAWING:
         comparison = session.compare()
-        falls = before_and_after(comparison, now.fit) if names else ()
+        falls = before_and_after(comparison, now) if len(shown.steps) > 1 else ()
         page = render_report(Material(
             title="What the model was missing" if names else "Model against measurement",
             answer=answer,

@@ -139,7 +139,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     judged = None if names else workspace.judging.answer(session)
     said = workspace.verdict or (None if names else workspace.judging.told(session))
     floor = prepared.noise_floor if said is None else said.get("noise_floor") or prepared.noise_floor
-    after = None if judged is None or not judged.accepted else judged.steps[-1].evaluation_rms
+    after = None if judged is None or len(judged.steps) < 2 else judged.steps[-1].evaluation_rms
     lengths, above = _lengths(session.model), parents(session.model.joints)
     shown = prepared.verify or prepared.train
     signal = pooled_rms([item.torque for item in shown], shown)

@@ -126,7 +126,7 @@ def _fit(space: Workspace, session: Session, names: Names) -> None:
     try:
         found = answers.found(space, names)
         if found is not None:
-            session.take(names, found.fit)  # the numbers that its sentence named
+            session.take(names, found.fitted_on(session.prepared))  # the numbers that its sentence named
         session.fitted(names)
     except ExoidError as error:
         space.failed[names] = error

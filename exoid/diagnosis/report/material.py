@@ -103,9 +103,9 @@ def pictures_of(*results: Any, section: str = "") -> tuple[Picture, ...]:
     return tuple(found)
 
 
-def before_and_after(comparison: Any, fit: Any) -> tuple[Picture, ...]:
+def before_and_after(comparison: Any, after: Any) -> tuple[Picture, ...]:
     """Return the picture for the top of the page: measured, the model of a Comparison, and the one that came of it."""
-    title, alt, figure = comparison.before_and_after(fit)
+    title, alt, figure = comparison.before_and_after(after)
     return (Picture(title, alt, figure, "verdict"),)
 
 

@@ -31,7 +31,6 @@ from exoid.diagnosis.settings import DiscoveryOptions, DiscoverySettings
 from exoid.ground.progress import Progress, silent
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
-from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.effect import Effect
@@ -137,11 +136,14 @@ class Session:
             self._keep(key, found)
         return self._fits[key]
 
-    def take(self, names: Names, fit: Fit) -> None:
-        """Take the model with these effects from a search that came to it; `fit.model` has them last, in this order."""
-        ends = fit.model.terms[len(fit.model.terms) - len(names) :]
-        self._own_places |= {term.name: term.own_places for term in ends if term.may_move}
-        self._keep(tuple(names), fitted_model(fit, self.prepared))
+    def take(self, names: Names, found: FittedModel) -> None:
+        """Take the model with these effects from a search that came to it, which has them last, in this order.
+
+        Where that took from the recordings what belongs to them, models with further effects are fitted so, too.
+        """
+        terms = found.model.terms
+        self._own_places |= {term.name: term.own_places for term in terms[len(terms) - len(names) :] if term.may_move}
+        self._keep(tuple(names), found)
 
     def _keep(self, names: tuple[str, ...], found: FittedModel) -> None:
         self._fits[names] = found
@@ -150,8 +152,9 @@ class Session:
 
     def _fitted(self, names: Names) -> FittedModel:
         model = self.with_effects(names)
-        fit = identify(model, self.prepared.train, optimisers=(), start=self._start(model))
-        return fitted_model(fit, self.prepared)
+        before = [self._fits[key] for key in (tuple(names[:k]) for k in range(len(names))) if key in self._fits]
+        prepared = before[-1].prepared if before else self.prepared
+        return fitted_model(identify(model, prepared.train, optimisers=(), start=self._start(model)), prepared)
 
     def ranking(self, names: Names = ()) -> Ranking:
         """Return the suspects beside these effects; they are weighed by its `work()`."""

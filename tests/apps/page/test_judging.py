@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import closing
+from dataclasses import replace
 
 import pytest
 
@@ -96,3 +97,25 @@ def test_a_report_before_anything_was_judged_is_of_the_machine_and_not_of_a_leg(
         wait_for(workspace, lambda shown: shown["ready"] and shown["fitted"])
         page = report(workspace)
     assert "drive" in page and "the knee" not in page
+
+
+def test_numbers_of_recordings_are_in_the_error_after_and_not_in_the_one_before(tmp_path):
+    drive = Model("drive", joints=(Joint("drive"),))
+    write_model(drive, tmp_path / "drive.toml")
+    with closing(Workspace(tmp_path / "mappings")) as workspace:
+        workspace.use_model(tmp_path / "drive.toml", "drive.toml")
+        for k, zero in enumerate((2.0, -1.5, 0.4, -2.5)):
+            run = simulate(drive, duration=15.0, seed=k)
+            path = write_recording(replace(run, tau=run.tau + zero), tmp_path / f"run_{k}.csv")
+            workspace.add_file(path, path.name, "verify" if k == 3 else "fit")
+        start_work(workspace)
+        (joint,) = wait_for(workspace, lambda shown: shown["ready"] and shown["verdict"]["judged"])["joints"]
+        found = workspace.judging.answer(workspace.session)
+        assert [one.what for one in found.of_recordings] == ["sensor_zero"] and not found.accepted
+        assert joint["error"] == found.steps[0].verify_rms[0] and joint["after"] == found.steps[-1].verify_rms[0]
+        assert joint["after"] < 0.2 * joint["error"]
+        after = workspace.judging.after(workspace.session)
+        assert after.verify_rms == pytest.approx([joint["after"]])
+        workspace.discover()
+        wait_for(workspace, lambda shown: shown["ready"] and shown["verdict"]["kind"] == "adequate")
+        assert "Measured, before and after" in report(workspace)
