@@ -63,6 +63,11 @@ class Shape:
     sharp: bool = False
     """Whether its lowest value stands for the same effect without any transition, so that it is no limit there."""
 
+    @property
+    def is_own(self) -> bool:
+        """True if each recording has a number of its own that is no place."""
+        return self.per_recording and self.spacing != "position"
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -161,7 +166,7 @@ class Effect:
     @property
     def has_own_numbers(self) -> bool:
         """True if each recording has a number of its own that is no place."""
-        return any(shape.per_recording and shape.spacing != "position" for shape in self.shape.values())
+        return any(shape.is_own for shape in self.shape.values())
 
     @property
     def on_both(self) -> bool:

@@ -410,7 +410,9 @@ def test_a_load_in_space_is_weighed_and_placed_where_its_place_shows(away, link)
     (load,) = found.of_recordings
     assert load.joint == link and (load.place is None) == (away == 0.0)
     if load.place is not None:
-        assert load.place.low < away < load.place.high and "from its joint (" in load.sentence
+        assert load.place.low < away < load.place.high
+        assert "from its joint (" in load.sentence and "no motion shows its y" in load.sentence
+        assert "another machine" not in found.sentence
 
 
 def test_of_an_arm_the_load_is_asked_at_its_end():

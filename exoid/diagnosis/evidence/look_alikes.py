@@ -54,7 +54,7 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
     columns = columns_at(candidate, chosen, fitted)
     best = _one_node(evidence, candidate, chosen, columns, score)
     # What all recordings share may lie between nodes, and places, which move in all of them together.
-    free = [i for i, s in enumerate(entries) if not s.choices and not (s.per_recording and s.spacing != "position")]
+    free = [i for i, s in enumerate(entries) if not (s.choices or s.is_own)]
     for index in [] if candidate.tangent else free:
         entry = entries[index]
         reach = 1.0 / max(1, entry.points - 1)

@@ -304,16 +304,22 @@ def _told(
     out = []
     for values, spans in told.values():
         said = {name: _said(values[name]) for name in sorted(values)}
-        where = "" if place is None else f" at {_said(place)}{_in_space(held.node)}"
+        where = "" if place is None else f" at {_said(place)}{_in_space(held.node, spread.width[spread.places[claim]])}"
         sentence = sentence_on(claim, said, where, _when(spans))
         ordered = {name: values[name] for name in said}
         out.append(Belonging(claim.what, claim.place, unit, ordered, sentence, place, spans))
     return out
 
 
-def _in_space(node: Node) -> str:
-    """Words such as " from its joint (0.002, 0, -0.251)", as `--payload` takes a place; "" for one along a link."""
-    return f" from its joint ({', '.join(f'{x:.3g}' for x in node)})" if len(node) > 1 else ""
+def _in_space(node: Node, width: Float) -> str:
+    """Words such as " from its joint (0.002, 0, -0.251; no motion shows its y)", as `--payload` takes a place, known to
+    within a `width` (D,) m; "" for one along a link.
+    """
+    if len(node) < 2:
+        return ""
+    hidden = [name for name, half in zip("xyz", width, strict=True) if not np.isfinite(half)]
+    also = f"; no motion shows its {' and '.join(hidden)}" if hidden else ""
+    return f" from its joint ({', '.join(f'{x:.3g}' for x in node)}{also})"
 
 
 def _when(spans: Mapping[str, Span]) -> str:

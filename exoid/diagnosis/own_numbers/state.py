@@ -30,8 +30,8 @@ class Claimed:
 
     @property
     def count(self) -> int:
-        """Numbers that tell it in one group: of what has a place, that place, too."""
-        return 1 + (len(self.node) if len(self.claim.nodes) > 1 else 0)
+        """Numbers that tell it in one group: of what has a place, what shows of that place, too."""
+        return 1 + (int(self.turn.any(axis=0).sum()) if len(self.claim.nodes) > 1 else 0)
 
     def is_plainer(self, other: Claimed) -> bool:
         """True if it says what another does, in fewer numbers."""

@@ -70,7 +70,7 @@ def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
                 "these data cannot distinguish it from something slower, wider or stronger, so it is not this effect"
             )
     for k, entry in enumerate(fitted.model.shapes):
-        if entry.term != name or not entry.shape.per_recording or entry.shape.spacing == "position":
+        if entry.term != name or not entry.shape.is_own:
             continue
         own = [to_unit(entry.shape, float(value)) for value in fitted.shapes[:, k]]
         if all(min(unit, 1.0 - unit) < rules.negligible for unit in own):
