@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid.symbolic.motion import Float
 
@@ -26,13 +27,29 @@ def non_negative(gram: Float, slope: Float, either: int = 0) -> Float:
         rest = np.zeros(own.size)
         rest[own] = non_negative(left[np.ix_(own, own)], (slope[either:] - beside.T @ alone)[own])
         return np.asarray(np.concatenate([alone - by_others @ rest, rest]) / size)
-    x = np.zeros(slope.size)
-    free = np.zeros(slope.size, dtype=bool)
+
+    def least_squares(free: NDArray[np.bool_]) -> Float:
+        out = np.zeros(slope.size)
+        out[free] = np.linalg.lstsq(gram[np.ix_(free, free)], slope[free], rcond=1e-12)[0]
+        return out
+
+    # Most that are positive without a bound are so with one: beginning with these takes half as long as with none.
+    x, free = np.zeros(slope.size), np.ones(slope.size, dtype=bool)
+    while free.any():
+        x = least_squares(free)
+        if (x[free] > 0.0).all():
+            break
+        free &= x > 0.0
+    x = np.where(free, x, 0.0)
     least = ROUNDING * float(np.abs(slope).max(initial=0.0))
     for _ in range(3 * slope.size):
+        rise = np.where(free, -np.inf, slope - gram @ x)
+        best = int(np.argmax(rise))
+        if rise[best] <= least:
+            break
+        free[best] = True
         while free.any():
-            wanted = np.zeros(x.size)
-            wanted[free] = np.linalg.lstsq(gram[np.ix_(free, free)], slope[free], rcond=1e-12)[0]
+            wanted = least_squares(free)
             below = free & (wanted <= 0.0)
             if not below.any():
                 x = wanted
@@ -42,9 +59,4 @@ def non_negative(gram: Float, slope: Float, either: int = 0) -> Float:
             x = np.maximum(x + way * (wanted - x), 0.0)
             free &= x > 1e-14 * float(x.max(initial=0.0))
             x = np.where(free, x, 0.0)
-        rise = np.where(free, -np.inf, slope - gram @ x)
-        best = int(np.argmax(rise))
-        if rise[best] <= least:
-            break
-        free[best] = True
     return np.asarray(x / size)

@@ -196,7 +196,8 @@ def clock_rate(
         first = first or step
         if abs(rate) > MOST or abs(late) > LATEST:
             return None
-        if abs(step.rate) < step.error and abs(step.late) < step.late_error:
+        known = abs(step.rate) < step.error and abs(step.late) < step.late_error
+        if known or max(first.share, first.late_share) < SHARE:  # of no use to anybody, however far it is off
             break
     return None if first is None else replace(first, rate=rate, late=late)
 
