@@ -38,7 +38,7 @@ from exoid.diagnosis.rules import RULES, Rules  # noqa: E402
 from exoid.diagnosis.settings import DiscoverySettings  # noqa: E402
 from exoid.diagnosis.thresholds import every_threshold  # noqa: E402
 from exoid.ground.suggest import did_you_mean  # noqa: E402
-from exoid.ground.thresholds import Rule, home_of  # noqa: E402
+from exoid.ground.thresholds import Rule  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 
@@ -84,15 +84,15 @@ def varied(only: list[str]) -> Iterator[tuple[str, Rules]]:
 @contextmanager
 def in_force(rule: Rule, value: float) -> Iterator[None]:
     """Let a threshold have another value everywhere, as if it had been written so."""
-    if "." not in rule.name:
+    if not rule.module:
         object.__setattr__(RULES, rule.name, value)  # frozen for everybody else
         try:
             yield
         finally:
             object.__setattr__(RULES, rule.name, rule.value)
         return
-    home, name = home_of(rule)
-    old = getattr(sys.modules[home], name)
+    name = rule.name.rpartition(".")[2]
+    old = getattr(sys.modules[rule.module], name)
     places = [one for one in list(sys.modules.values()) if getattr(one, "__dict__", {}).get(name) is old]
     for module in places:
         setattr(module, name, value)

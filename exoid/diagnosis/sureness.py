@@ -12,16 +12,12 @@ from types import MappingProxyType
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 
-RARE = threshold(
-    __name__, "RARE", 0.002,
-    "share of placebos that do as well, at most, where one is very sure: one in twenty is not rare",
-)  # fmt: skip
-AGREEING = threshold(
-    __name__, "AGREEING", 0.9,
-    "share of splits that agree where one is very sure: the next recording may say otherwise",
-)  # fmt: skip
+RARE: Threshold = 0.002
+"""share of placebos that do as well, at most, where one is very sure: one in twenty is not rare"""
+AGREEING: Threshold = 0.9
+"""share of splits that agree where one is very sure: the next recording may say otherwise"""
 VERY, FAIRLY, UNSURE = "very sure", "fairly sure", "cannot tell"
 
 MEANINGS: Mapping[str, str] = MappingProxyType(

@@ -10,6 +10,8 @@ import exoid.diagnosis.separation
 import exoid.diagnosis.sureness
 import exoid.diagnosis.where
 import exoid.measurement.auditing
+import exoid.measurement.noisy_copy
+import exoid.measurement.reading
 import exoid.measurement.signals
 import exoid.measurement.stance
 import exoid.optimisation.fitting
@@ -21,6 +23,8 @@ from exoid.ground.thresholds import Rule, thresholds_in
 
 def every_threshold() -> Iterator[Rule]:
     """Yield all of them, those of apps last."""
+    yield from thresholds_in(exoid.measurement.reading, "how columns are read")
+    yield from thresholds_in(exoid.measurement.noisy_copy, "recordings that share samples")
     yield from thresholds_in(exoid.measurement.auditing, "the audit of a recording")
     yield from thresholds_in(exoid.measurement.stance, "rows that are left out")
     yield from thresholds_in(exoid.measurement.signals, "what of a signal counts")

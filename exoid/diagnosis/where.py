@@ -16,35 +16,25 @@ from exoid.diagnosis.evidence.curves import signal_of, variables
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.ground.plain import AsJson
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import ascending
 from exoid.symbolic.motion import Float
 
 Int = NDArray[np.int64]
 
-LEAST_SHARE = threshold(
-    __name__, "LEAST_SHARE", 0.01,
-    "share of a joint's squared error that is worth a line: what curves follow by chance",
-)  # fmt: skip
-SLOW = threshold(
-    __name__, "SLOW", 0.1,
-    "rad/s below which a joint counts as slow: errors of reversal spread over all speeds",
-)  # fmt: skip
-AT_LIMIT = threshold(
-    __name__, "AT_LIMIT", 0.05,
-    "share of the range at either end that counts as its end: a stop hides in the whole range",
-)  # fmt: skip
+LEAST_SHARE: Threshold = 0.01
+"""share of a joint's squared error that is worth a line: what curves follow by chance"""
+SLOW: Threshold = 0.1
+"""rad/s below which a joint counts as slow: errors of reversal spread over all speeds"""
+AT_LIMIT: Threshold = 0.05
+"""share of the range at either end that counts as its end: a stop hides in the whole range"""
 BINS = 24
 BLOCK = 2.0
 """s, stretches of time whose means scatter independently of each other."""
-CONCENTRATED = threshold(
-    __name__, "CONCENTRATED", 2.0,
-    "times more error than time that a region holds: every region has some",
-)  # fmt: skip
-LEAST_REGION = threshold(
-    __name__, "LEAST_REGION", 0.15,
-    "share of the error that a region holds: a short peak beside the rest of it",
-)  # fmt: skip
+CONCENTRATED: Threshold = 2.0
+"""times more error than time that a region holds: every region has some"""
+LEAST_REGION: Threshold = 0.15
+"""share of the error that a region holds: a short peak beside the rest of it"""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_greatest
 from exoid.measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
 from exoid.symbolic.motion import Float
@@ -25,26 +25,16 @@ EDGE = 4 * BLOCK
 """Samples at either end that are left out: there a filter answers to the end, not to the noise."""
 LEAST, STRETCH, STRETCHES = 384, 1024, 3
 """Samples that are compared at least, and in how many stretches of which length the place is looked for."""
-FAINT = threshold(
-    __name__, "FAINT", 0.35,
-    "likeness of fast parts from which it is asked: chance in 1024 samples reaches 0.24",
-)  # fmt: skip
-SURE = threshold(
-    __name__, "SURE", 20.0,
-    "twice the log-likelihood ratio of copy against motion made again: one in thousands is refused",
-)  # fmt: skip
-OWN = threshold(
-    __name__, "OWN", -9.0,
-    "the same of one channel alone, below which it has noise of its own: motion made again",
-)  # fmt: skip
-WHOLE = threshold(
-    __name__, "WHOLE", 0.15,
-    "by which the slope may fall short beyond its error: resampling blurs a copy",
-)  # fmt: skip
-TRACKING = threshold(
-    __name__, "TRACKING", 4.0,
-    "times the slow part that white noise has: a real machine never moves twice alike",
-)  # fmt: skip
+FAINT: Threshold = 0.35
+"""likeness of fast parts from which it is asked: chance in 1024 samples reaches 0.24"""
+SURE: Threshold = 20.0
+"""twice the log-likelihood ratio of copy against motion made again: one in thousands is refused"""
+OWN: Threshold = -9.0
+"""the same of one channel alone, below which it has noise of its own: motion made again"""
+WHOLE: Threshold = 0.15
+"""by which the slope may fall short beyond its error: resampling blurs a copy"""
+TRACKING: Threshold = 4.0
+"""times the slow part that white noise has: a real machine never moves twice alike"""
 
 
 def noisy_copy(t: Float, values: Float, copy_t: Float, copy: Float, offset: float) -> slice | None:

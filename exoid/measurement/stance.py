@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.masks import widen
 from exoid.symbolic.motion import Float
 
-LOADED = threshold(
-    __name__, "LOADED", 0.05,
-    "part of the largest load of a foot from which it is on the ground: an insole is never quite zero in the air",
-)  # fmt: skip
+LOADED: Threshold = 0.05
+"""part of the largest load of a foot from which it is on the ground: an insole is never quite zero in the air"""
 UPWARDS = "grf_z"
 """Column of the ground's force that is the load of the foot."""
 BOUNCE = 0.1

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from exoid.apps.watch.scores import Scores
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.symbolic.motion import Float
 
 SPANS = (1, 2, 6, 24)
@@ -26,10 +26,8 @@ REMEMBERED = 120
 TAIL = 0.2
 """Share of the placebos from which the tail is told."""
 DAY = 86400.0
-LEAST_POWER = threshold(
-    __name__, "LEAST_POWER", 0.02,
-    "part of a column's usual information that a block must have: rest would be taken for change",
-)  # fmt: skip
+LEAST_POWER: Threshold = 0.02
+"""part of a column's usual information that a block must have: rest would be taken for change"""
 
 
 @dataclass(frozen=True)

@@ -14,14 +14,12 @@ import numpy as np
 from exoid.apps.watch.events import Event, clock
 from exoid.apps.watch.front import LONGEST_HOLE, STEPPED_BACK
 from exoid.ground.errors import RecordingError
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.reading.limits import FASTEST, LASTING, credible
 from exoid.symbolic.motion import Float
 
-CONFIRMED = threshold(
-    __name__, "CONFIRMED", 5.0,
-    "samples that go on from a jump of the clock before it is believed: one wrong stamp is none",
-)  # fmt: skip
+CONFIRMED: Threshold = 5.0
+"""samples that go on from a jump of the clock before it is believed: one wrong stamp is none"""
 OVER = 5.0
 """s without a bad sample after which bad samples are over."""
 ASTRAY = 50

@@ -7,19 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.diagnosis.against.result import Course
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.symbolic.motion import Float
 
-SURE = threshold(
-    __name__, "SURE", 6.0,
-    "fall of the weighted squares, in variances, within which another moment explains the course as well: an "
-    "interval too short",
-)  # fmt: skip
-SLOW = threshold(
-    __name__, "SLOW", 20.0,
-    "the same by which a slow change must explain it better than a jump: noise after a jump looks like a ramp",
-)  # fmt: skip
+SURE: Threshold = 6.0
+"""fall of the weighted squares, in variances, within which another moment explains the course as well: an interval too
+short
+"""
+SLOW: Threshold = 20.0
+"""the same by which a slow change must explain it better than a jump: noise after a jump looks like a ramp"""
 RAMPS = (30.0, 60.0, 120.0, 240.0, 480.0)
 """Durations of a slow change that are tried, s."""
 VISIBLE = 8

@@ -21,7 +21,7 @@ from scipy.signal import sosfilt
 
 from exoid.apps.watch.recursive.encoder_noise import RING, EncoderNoise, following
 from exoid.ground.errors import ExoidError
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.optimisation.preparation.filtering import WORKING_RATE
 from exoid.optimisation.preparation.sticking import STICK
 from exoid.symbolic.motion import Float
@@ -30,10 +30,8 @@ Bool = np.ndarray
 
 HALF = RING // 2
 """Samples on either side of one that its torque is compared with."""
-SPIKE = threshold(
-    __name__, "SPIKE", 4.0,
-    "robust deviations from their median beyond which a torque sample is replaced: a spike rings in the filter",
-)  # fmt: skip
+SPIKE: Threshold = 4.0
+"""robust deviations from their median beyond which a torque sample is replaced: a spike rings in the filter"""
 ORDER, COMMON_ORDER = 4, 3
 """Poles of the two filters."""
 ANGLE_BAND, COMMON_BAND = 4.0, 2.0
@@ -45,22 +43,14 @@ SIGN_WIDTH = 0.01
 BEND = 0.12
 """Periods of the cut-off over which speeds are compared where it is judged how near a reversal is: an acceleration that
 the encoders' noise has made large would leave its own sample out, and inertias come out too large."""
-HOLE = threshold(
-    __name__, "HOLE", 2.5,
-    "steps of the clock from which samples are missing: jitter would empty the filter",
-)  # fmt: skip
-LONGEST_HOLE = threshold(
-    __name__, "LONGEST_HOLE", 1.0,
-    "s of missing samples after which the filters start anew: motion invented across the hole",
-)  # fmt: skip
-STEPPED_BACK = threshold(
-    __name__, "STEPPED_BACK", 0.05,
-    "s by which a clock that goes on from there was set back: motion that is missing between two stamps is a push",
-)  # fmt: skip
-LEAST_RATE = threshold(
-    __name__, "LEAST_RATE", 5.0,
-    "samples in a period of the cut-off: with three, a third of the intervals miss the truth",
-)  # fmt: skip
+HOLE: Threshold = 2.5
+"""steps of the clock from which samples are missing: jitter would empty the filter"""
+LONGEST_HOLE: Threshold = 1.0
+"""s of missing samples after which the filters start anew: motion invented across the hole"""
+STEPPED_BACK: Threshold = 0.05
+"""s by which a clock that goes on from there was set back: motion that is missing between two stamps is a push"""
+LEAST_RATE: Threshold = 5.0
+"""samples in a period of the cut-off: with three, a third of the intervals miss the truth"""
 HIGHEST_RATE = 1e6
 """Hz; no machine is sampled faster, so the clock has lost its meaning."""
 RINGING = 14.0

@@ -14,22 +14,17 @@ from exoid.apps.watch.events import Event, clock
 from exoid.apps.watch.usual import Usual
 from exoid.apps.watch.window import Window
 from exoid.diagnosis.evidence.gain import RecordingEvidence
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.symbolic.joints import Joint
 
-STRONG = threshold(
-    __name__, "STRONG", 15.0,
-    "times the usual error from which a torque can be a push: bursts of a torque sensor would be",
-)  # fmt: skip
-BEYOND = threshold(
-    __name__, "BEYOND", 2.0,
-    "times the largest usual error from which it can be one: what usually is missed would be",
-)  # fmt: skip
-SHORTEST = threshold(
-    __name__, "SHORTEST", 0.1,
-    "s that a push lasts at least: a burst of a torque sensor, or a reversal, would be one",
-)  # fmt: skip
-LONGEST = threshold(__name__, "LONGEST", 3.0, "s that a push lasts at most: a change would be one")
+STRONG: Threshold = 15.0
+"""times the usual error from which a torque can be a push: bursts of a torque sensor would be"""
+BEYOND: Threshold = 2.0
+"""times the largest usual error from which it can be one: what usually is missed would be"""
+SHORTEST: Threshold = 0.1
+"""s that a push lasts at least: a burst of a torque sensor, or a reversal, would be one"""
+LONGEST: Threshold = 3.0
+"""s that a push lasts at most: a change would be one"""
 AROUND = 0.5
 """s on either side of a push in which the filters still show it."""
 SETTLED = 10.0

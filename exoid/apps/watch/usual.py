@@ -16,21 +16,18 @@ from exoid.diagnosis.against.questions import Asked, questions
 from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.gain import RecordingEvidence
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.optimisation.fitting.identify import identify
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
-GROWN = threshold(
-    __name__, "GROWN", 1.5,
-    "times the usual error from which a change without a name is no longer called small, and to which a name may "
-    "leave it: what leaves more is the nearest entry, not the answer",
-)  # fmt: skip
-REST = threshold(
-    __name__, "REST", 0.1,
-    "share of the grown squared error that a name may leave where it is above that: wrong names",
-)  # fmt: skip
+GROWN: Threshold = 1.5
+"""times the usual error from which a change without a name is no longer called small, and to which a name may leave it:
+what leaves more is the nearest entry, not the answer
+"""
+REST: Threshold = 0.1
+"""share of the grown squared error that a name may leave where it is above that: wrong names"""
 
 
 @dataclass(frozen=True, eq=False)

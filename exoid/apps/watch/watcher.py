@@ -32,16 +32,14 @@ from exoid.diagnosis.against.differences import MOST
 from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import ExoidError
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.model_structure import require_still_base
 from exoid.symbolic.motion import Float
 
-NOTICED = threshold(
-    __name__, "NOTICED", 1.1,
-    "times the usual error from which what has no name is reported at all: other motion alone grows it",
-)  # fmt: skip
+NOTICED: Threshold = 1.1
+"""times the usual error from which what has no name is reported at all: other motion alone grows it"""
 
 
 @dataclass(eq=False)

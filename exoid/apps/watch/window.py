@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from exoid.apps.watch.front import COMMON_ORDER, SIGN_WIDTH, Filters, Samples, poles
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.optimisation.preparation.cutoff import CutoffChoice
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
@@ -18,14 +18,10 @@ from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
 
-LEAST_WEIGHT = threshold(
-    __name__, "LEAST_WEIGHT", 0.3,
-    "part of the filter's past that was usable: samples made of holes and sticking are fitted",
-)  # fmt: skip
-STEADY = threshold(
-    __name__, "STEADY", 0.8,
-    "the same from which a sample tells the numbers: beside a reversal noise of the encoders is a third larger",
-)  # fmt: skip
+LEAST_WEIGHT: Threshold = 0.3
+"""part of the filter's past that was usable: samples made of holes and sticking are fitted"""
+STEADY: Threshold = 0.8
+"""the same from which a sample tells the numbers: beside a reversal noise of the encoders is a third larger"""
 
 
 @dataclass(frozen=True, eq=False)

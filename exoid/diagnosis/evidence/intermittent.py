@@ -24,7 +24,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gram import numbers_of
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_greatest, index_of_least
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
 from exoid.optimisation.preparation.filtering import EDGE, PreparedRecording
@@ -36,7 +36,8 @@ from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
-TIMES = threshold(__name__, "TIMES", 3.0, "times that it comes and goes in half of the recordings: a load hung up once")
+TIMES: Threshold = 3.0
+"""times that it comes and goes in half of the recordings: a load hung up once"""
 ADVICE = (
     "measure it: a force plate or an instrumented treadmill (columns grf_x, grf_z), cuffs with force sensors (f1, f2), "
     "or at least when it acts (a foot switch, column contact: 1 while it does); or record the motion without it, on a "

@@ -15,7 +15,7 @@ from exoid.diagnosis.separation.plots import separation_figure
 from exoid.ground.frames import pandas
 from exoid.ground.html import code, picture
 from exoid.ground.plain import AsJson
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.trajectories.extremes import Use
 from exoid.measurement.trajectories.trajectory import Fourier
 from exoid.measurement.trajectories.trajectory_file import trajectory_content
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-ENOUGH = threshold(__name__, "ENOUGH", 3.0, "σ between rivals on the designed motion: one run would choose by chance")
+ENOUGH: Threshold = 3.0
+"""σ between rivals on the designed motion: one run would choose by chance"""
 
 Apart = Mapping[tuple[str, str], float]
 """(truth, rival) -> σ apart after the rival and everything else have been refitted."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.finding import row_ranges
 from exoid.measurement.reading.angles import sampled
 from exoid.measurement.recording import Recording, force_unit
@@ -18,10 +18,8 @@ from exoid.symbolic.motion import Float
 
 FORCE = "force"
 """Key of all forces from outside together."""
-NOTHING = threshold(
-    __name__, "NOTHING", 0.08,
-    "middle 80 % of a torque, of the other's: a light knee would be said to read next to nothing",
-)  # fmt: skip
+NOTHING: Threshold = 0.08
+"""middle 80 % of a torque, of the other's: a light knee would be said to read next to nothing"""
 WORDS = {
     "q": ("angle", "position"),
     "dq": ("velocity", "velocity"),

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.ground.minimum import minimum
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import ascending, index_of_least, order_of, tied
 from exoid.measurement.auditing.channels import place_of_all
 from exoid.measurement.auditing.encoder_zeros import best_zeros, counted_joints
@@ -45,29 +45,20 @@ from exoid.symbolic.joints import Vector, is_leg, is_spatial, machine_word, pare
 CHECK, SIGN = "convention", "sign"
 CHECKS = (CHECK, SIGN)
 """What findings on the convention of recordings are called: of several, or of another kind; of the sides of one."""
-GOOD = threshold(
-    __name__, "GOOD", 0.4,
-    "share of the torques' power that a reading leaves at most: one that fits nothing would be named",
-)  # fmt: skip
-GAIN = threshold(
-    __name__, "GAIN", 0.08,
-    "share of power left as recorded, from which another reading is looked for: friction left out",
-)  # fmt: skip
-TIMES = threshold(__name__, "TIMES", 4.0, "times more than the other reading leaves: two readings that fit alike")
-SLIGHT_GAIN = threshold(
-    __name__, "SLIGHT_GAIN", 0.03,
-    "the same share where the other reading is far better: a light payload or a small tilt",
-)  # fmt: skip
-SLIGHT_TIMES = threshold(
-    __name__, "SLIGHT_TIMES", 15.0,
-    "times more that is far better: a reading that absorbs what the rough leg leaves out",
-)  # fmt: skip
+GOOD: Threshold = 0.4
+"""share of the torques' power that a reading leaves at most: one that fits nothing would be named"""
+GAIN: Threshold = 0.08
+"""share of power left as recorded, from which another reading is looked for: friction left out"""
+TIMES: Threshold = 4.0
+"""times more than the other reading leaves: two readings that fit alike"""
+SLIGHT_GAIN: Threshold = 0.03
+"""the same share where the other reading is far better: a light payload or a small tilt"""
+SLIGHT_TIMES: Threshold = 15.0
+"""times more that is far better: a reading that absorbs what the rough leg leaves out"""
 GAINS = ((GAIN, TIMES), (SLIGHT_GAIN, SLIGHT_TIMES))
 LEAST = float(min(least for least, _ in GAINS))
-AS_GOOD = threshold(
-    __name__, "AS_GOOD", 1.5,
-    "times what the best reading leaves, within which the one with the fewest names is named: three errors for one",
-)  # fmt: skip
+AS_GOOD: Threshold = 1.5
+"""times what the best reading leaves, within which the one with the fewest names is named: three errors for one"""
 NEAR = 0.09
 """rad from a usual zero, within which that of an encoder is taken for it: what the rough machine lacks moves it."""
 

@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.reading.conventions import (
     Convention,
@@ -28,14 +28,10 @@ FEW_JOINTS, BEAM = 2, 16
 """Joints up to which every combination is tried; beyond, how many readings get one name more."""
 BEAM_IN_SPACE = 4
 """The same in space, where all pairs are tried before."""
-WRONG = threshold(
-    __name__, "WRONG", 0.4,
-    "share of power left, from which readings of three and four names are tried: chance fits some",
-)  # fmt: skip
-TURNING = threshold(
-    __name__, "TURNING", 2.5,
-    "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
-)  # fmt: skip
+WRONG: Threshold = 0.4
+"""share of power left, from which readings of three and four names are tried: chance fits some"""
+TURNING: Threshold = 2.5
+"""rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear"""
 LOAD = "load-torque"
 """The convention of which all torques have the other sign."""
 SUMMED = (1, 0, -1, 2, -2)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from exoid.ground.text import digits
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import place_of_all
 from exoid.measurement.auditing.power_left import smoothed_groups
 from exoid.measurement.auditing.rough import TURNS, Smooth
@@ -29,14 +29,10 @@ MASSES = "masses"
 """What the finding is called."""
 PARTS = 3
 """Parts of the recordings at least that have to agree."""
-FAR = threshold(
-    __name__, "FAR", 30.0,
-    "times smaller than the masses ask for, from which torques are taken for motors': masses that are guesses",
-)  # fmt: skip
-ALIKE = threshold(
-    __name__, "ALIKE", 4.0,
-    "times between what parts of the recordings say at most: torques in which masses have no part",
-)  # fmt: skip
+FAR: Threshold = 30.0
+"""times smaller than the masses ask for, from which torques are taken for motors': masses that are guesses"""
+ALIKE: Threshold = 4.0
+"""times between what parts of the recordings say at most: torques in which masses have no part"""
 
 
 def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gravity: Gravity) -> tuple[Finding, ...]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
@@ -19,19 +19,14 @@ from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_spatial, parents
 from exoid.symbolic.motion import Float
 
-QUIET = threshold(
-    __name__, "QUIET", 0.1,
-    "variation of a torque, of its neighbour's, below which it counts as so much: noise of a light joint would "
-    "choose the reading",
-)  # fmt: skip
-PASSIVE = threshold(
-    __name__, "PASSIVE", 0.02,
-    "the same below which a joint is passive: what is left there would be compared with a torque that is none",
-)  # fmt: skip
-STANDS = threshold(
-    __name__, "STANDS", 0.01,
-    "rad, standard deviation below which a joint stands: a lock carries its torque, which speaks for no reading",
-)  # fmt: skip
+QUIET: Threshold = 0.1
+"""variation of a torque, of its neighbour's, below which it counts as so much: noise of a light joint would choose the
+reading
+"""
+PASSIVE: Threshold = 0.02
+"""the same below which a joint is passive: what is left there would be compared with a torque that is none"""
+STANDS: Threshold = 0.01
+"""rad, standard deviation below which a joint stands: a lock carries its torque, which speaks for no reading"""
 SLOW = 2.0 * TURNS
 """rad/s below which a joint may stick."""
 ROUNDING = 1e-13

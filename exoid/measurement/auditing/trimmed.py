@@ -13,14 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least, order_of
 from exoid.symbolic.motion import Float
 
-PART = threshold(
-    __name__, "PART", 0.2,
-    "part of the time that must be free of it: swing is a third of a stride, less what filters smear",
-)  # fmt: skip
+PART: Threshold = 0.2
+"""part of the time that must be free of it: swing is a third of a stride, less what filters smear"""
 SECTORS = 12
 """Parts of the cycle of every joint, its angle against its velocity, that are starts: contact has its phase."""
 CHANCE, STRETCHES, SIDE = 48, 3, 3

@@ -12,21 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.symbolic.motion import Float
 
-ROUGH = threshold(
-    __name__, "ROUGH", 0.05,
-    "digits of a clock, in steps between rows, below which they are fine: jitter is more",
-)  # fmt: skip
-ONE_DIGIT = threshold(
-    __name__, "ONE_DIGIT", 1.05,
-    "digits over which rounding moves a stamp: samples were lost, or the clock is uneven",
-)  # fmt: skip
-COARSE = threshold(
-    __name__, "COARSE", 0.01,
-    "s between ticks that many rows share, spaced as if it was even: delays are named",
-)  # fmt: skip
+ROUGH: Threshold = 0.05
+"""digits of a clock, in steps between rows, below which they are fine: jitter is more"""
+ONE_DIGIT: Threshold = 1.05
+"""digits over which rounding moves a stamp: samples were lost, or the clock is uneven"""
+COARSE: Threshold = 0.01
+"""s between ticks that many rows share, spaced as if it was even: delays are named"""
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 

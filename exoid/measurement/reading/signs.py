@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.reading.limits import credible
 from exoid.symbolic.motion import Float
 
@@ -25,40 +25,26 @@ FINE = sorted(
     2.0**bits * digit * 10.0**power for bits in (WIDE, 24, 32) for power in range(-9, 1) for digit in (1.0, 2.5, 5.0)
 )
 """What numbers jump by whose steps are too fine to show: 32 bits of a millionth."""
-BOTH = threshold(
-    __name__, "BOTH", 0.02,
-    "of the samples that each sign has at least: a few codes for an error would be taken for negative numbers",
-)  # fmt: skip
-LEAST = threshold(
-    __name__, "LEAST", 3,
-    "times that the sign changes: a single step of what is measured would be taken for one",
-)  # fmt: skip
-NEAR_ZERO = threshold(
-    __name__, "NEAR_ZERO", 0.1,
-    "of the largest number of each sign that the smallest has at most: two levels would be taken for two signs",
-)  # fmt: skip
-ON_STEPS = threshold(
-    __name__, "ON_STEPS", 0.12,
-    "of a step, by which numbers behind a factor miss whole steps (root mean square): by chance it is 0.29",
-)  # fmt: skip
-VARIED = threshold(
-    __name__, "VARIED", 12,
-    "different numbers at least, behind a factor: few are whole steps of many registers by chance",
-)  # fmt: skip
-SMOOTH = threshold(
-    __name__, "SMOOTH", 0.25,
-    "of either sign's range that it passes zero by, where no step shows: a torque that is switched on and off would be "
-    "taken for a register",
-)  # fmt: skip
-ALIKE = threshold(
-    __name__, "ALIKE", 0.02,
-    "of half the register, or of a sign's range, that the means of both signs differ by: two levels would be taken for "
-    "friction",
-)  # fmt: skip
-APART = threshold(
-    __name__, "APART", 0.2,
-    "of the whole, that two ranges are apart at least: noise of one would be taken for jumps to the other",
-)  # fmt: skip
+BOTH: Threshold = 0.02
+"""of the samples that each sign has at least: a few codes for an error would be taken for negative numbers"""
+LEAST: Threshold = 3
+"""times that the sign changes: a single step of what is measured would be taken for one"""
+NEAR_ZERO: Threshold = 0.1
+"""of the largest number of each sign that the smallest has at most: two levels would be taken for two signs"""
+ON_STEPS: Threshold = 0.12
+"""of a step, by which numbers behind a factor miss whole steps (root mean square): by chance it is 0.29"""
+VARIED: Threshold = 12
+"""different numbers at least, behind a factor: few are whole steps of many registers by chance"""
+SMOOTH: Threshold = 0.25
+"""of either sign's range that it passes zero by, where no step shows: a torque that is switched on and off would be
+taken for a register
+"""
+ALIKE: Threshold = 0.02
+"""of half the register, or of a sign's range, that the means of both signs differ by: two levels would be taken for
+friction
+"""
+APART: Threshold = 0.2
+"""of the whole, that two ranges are apart at least: noise of one would be taken for jumps to the other"""
 DIGITS = 2.5
 """Last digits of the numbers that a step has at least where it is no whole number of them: less is lost in rounding."""
 FEW, SOME = 40, 500

@@ -16,41 +16,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.signals.masks import Mask, straight
 from exoid.symbolic.motion import Float
 
-SPIKE = threshold(
-    __name__, "SPIKE", 3.5,
-    "robust deviations of what neighbours predict beyond which a torque sample is a spike: noise would be hidden",
-)  # fmt: skip
-AGAIN = threshold(
-    __name__, "AGAIN", 5.5,
-    "the same of the means of several samples, which were judged one by one already: good ones would be hidden "
-    "where a model turns a little too early",
-)  # fmt: skip
-ALONE = threshold(
-    __name__, "ALONE", 0.4,
-    "part of that by which one side alone must miss it, too: where a force jumps, samples would be hidden",
-)  # fmt: skip
-CROWD = threshold(
-    __name__, "CROWD", 5,
-    "spikes among a sample and its neighbours from which it is one: a sensor chatters, and what lies between its "
-    "peaks would be fitted",
-)  # fmt: skip
-DENSE = threshold(
-    __name__, "DENSE", 0.12,
-    "share of such samples from which they may be a drive's chatter: a sensor with as many is of no use",
-)  # fmt: skip
-CARRIED = threshold(
-    __name__, "CARRIED", 0.35,
-    "part of the slow torque in dense ones from which they are chatter that moves the machine, and are kept: without "
-    "them a machine would be far too light",
-)  # fmt: skip
-ALIGNED = threshold(
-    __name__, "ALIGNED", 1.4,
-    "times what such samples of random sign would hold: a disturbed sensor's spikes would be taken for a drive's",
-)  # fmt: skip
+SPIKE: Threshold = 3.5
+"""robust deviations of what neighbours predict beyond which a torque sample is a spike: noise would be hidden"""
+AGAIN: Threshold = 5.5
+"""the same of the means of several samples, which were judged one by one already: good ones would be hidden where a
+model turns a little too early
+"""
+ALONE: Threshold = 0.4
+"""part of that by which one side alone must miss it, too: where a force jumps, samples would be hidden"""
+CROWD: Threshold = 5
+"""spikes among a sample and its neighbours from which it is one: a sensor chatters, and what lies between its peaks
+would be fitted
+"""
+DENSE: Threshold = 0.12
+"""share of such samples from which they may be a drive's chatter: a sensor with as many is of no use"""
+CARRIED: Threshold = 0.35
+"""part of the slow torque in dense ones from which they are chatter that moves the machine, and are kept: without them
+a machine would be far too light
+"""
+ALIGNED: Threshold = 1.4
+"""times what such samples of random sign would hold: a disturbed sensor's spikes would be taken for a drive's"""
 AVERAGED = 0.2
 """s over which the torque is averaged for that."""
 SIDE, PARABOLA = 5, 8

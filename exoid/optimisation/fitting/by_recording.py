@@ -20,7 +20,7 @@ from exoid.ground.errors import ExoidError
 from exoid.ground.figures import figure_style, new_figure
 from exoid.ground.frames import pandas
 from exoid.ground.html import picture, table
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.linear.problem import LinearData
 from exoid.optimisation.linear.solve import solve_huber
@@ -31,14 +31,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-STRICT = threshold(
-    __name__, "STRICT", 0.01,
-    "probability, shared out over all parameters: recordings that contradict each other by chance",
-)  # fmt: skip
-USEFUL = threshold(
-    __name__, "USEFUL", 1.0,
-    "half-interval of a recording over the joint value: one that says nothing would be compared",
-)  # fmt: skip
+STRICT: Threshold = 0.01
+"""probability, shared out over all parameters: recordings that contradict each other by chance"""
+USEFUL: Threshold = 1.0
+"""half-interval of a recording over the joint value: one that says nothing would be compared"""
 NORMAL = 1.96
 ADVICE = {
     "Phi": "faster motion of both joints, over more of the range, in every recording",

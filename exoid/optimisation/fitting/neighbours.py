@@ -15,7 +15,7 @@ import numpy as np
 
 from exoid.ground.errors import ExoidError
 from exoid.ground.plain import plain_dict
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
@@ -26,10 +26,8 @@ from exoid.symbolic.motion import Float
 
 FACTORS = (0.8, 1.25)
 """Neighbouring cut-offs, relative to the one used."""
-BEYOND = threshold(
-    __name__, "BEYOND", 0.1,
-    "half-widths by which a value leaves its interval at another cut-off: rounding",
-)  # fmt: skip
+BEYOND: Threshold = 0.1
+"""half-widths by which a value leaves its interval at another cut-off: rounding"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.ground.plain import AsJson
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.finding import EVERY, Finding
 from exoid.optimisation.linear.problem import LinearData
 from exoid.optimisation.linear.solve import solve_huber
@@ -28,15 +28,12 @@ if TYPE_CHECKING:
     from exoid.symbolic.model import Model
 
 COUPLING = "Phi3"
-FAR = threshold(
-    __name__, "FAR", 0.2,
-    "share by which a length is off: what else is missing moves it by a tenth (on two known rigs)",
-)  # fmt: skip
-HELPS = threshold(
-    __name__, "HELPS", 0.1,
-    "part of a joint's squared error that the other length removes: one that explains nothing",
-)  # fmt: skip
-VAGUE = threshold(__name__, "VAGUE", 2.0, "factor between the ends of an interval: a length that the data do not know")
+FAR: Threshold = 0.2
+"""share by which a length is off: what else is missing moves it by a tenth (on two known rigs)"""
+HELPS: Threshold = 0.1
+"""part of a joint's squared error that the other length removes: one that explains nothing"""
+VAGUE: Threshold = 2.0
+"""factor between the ends of an interval: a length that the data do not know"""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import least_of
 from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.recording import Recording
@@ -26,18 +26,12 @@ CLOCKS = "clock_rate"
 """What the finding on them is called."""
 GROUPS = 10
 """Parts of a recording that are left out one by one, which tells how far its clocks are known (jackknife)."""
-CHANCE = threshold(
-    __name__, "CHANCE", 1e-5,
-    "probability of such a difference where there is none: good recordings would be refused",
-)  # fmt: skip
-APART = threshold(
-    __name__, "APART", 0.004,
-    "s over a recording by which clocks of different rates come apart: no answer depends on less",
-)  # fmt: skip
-SHARE = threshold(
-    __name__, "SHARE", 0.1,
-    "share of what a rigid machine leaves that it explains: a missing effect happens to look so by a few hundredths",
-)  # fmt: skip
+CHANCE: Threshold = 1e-5
+"""probability of such a difference where there is none: good recordings would be refused"""
+APART: Threshold = 0.004
+"""s over a recording by which clocks of different rates come apart: no answer depends on less"""
+SHARE: Threshold = 0.1
+"""share of what a rigid machine leaves that it explains: a missing effect happens to look so by a few hundredths"""
 LEAST_SAMPLES = 200
 STEPS, MOST, LATEST = 6, 0.05, 0.3
 """Times that a torque is read anew by the clock found; largest rate and delay (s) that are looked for."""

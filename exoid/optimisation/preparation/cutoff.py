@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import least_of
 from exoid.measurement.signals.conditioning import UniformSignals, acceleration_quality
 from exoid.optimisation.fitting.assemble import assemble
@@ -25,34 +25,26 @@ CUTOFFS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 """Cut-off frequencies tried, Hz."""
 COMMON_BAND = 3.0
 """Every cut-off is assessed on the unseen torque below this frequency, Hz."""
-BIAS_LIMIT = threshold(
-    __name__, "BIAS_LIMIT", 0.005,
-    "share of noise in the accelerations: about the relative bias of an inertia",
-)  # fmt: skip
-NOISE_LIMIT = threshold(
-    __name__, "NOISE_LIMIT", 0.05,
-    "noise power that accelerations carry into the model's torque, of the sensor's own: effects that smooth the "
-    "model (a flexible drive) look real",
-)  # fmt: skip
-TOLERANCE = threshold(
-    __name__, "TOLERANCE", 0.03,
-    "by which a faster cut-off may predict unseen torque worse than the best: information thrown away",
-)  # fmt: skip
-NOISE_SEEN = threshold(
-    __name__, "NOISE_SEEN", 1e-4,
-    "share of noise in the accelerations at the fastest cut-off from which the encoders' noise is known: a guess "
-    "at it would decide",
-)  # fmt: skip
-LOOSE_TOLERANCE = threshold(
-    __name__, "LOOSE_TOLERANCE", 0.25,
-    "the same tolerance where the noise is known: friction near standstill, which faster motion shows, would "
-    "slow the cut-off",
-)  # fmt: skip
-FILTER = threshold(
-    __name__, "FILTER", 1 / 3,
-    "part of the error at the slowest cut-off that its filter makes, from which the loose tolerance holds too: "
-    "numbers that make up for a slow filter would be preferred to right ones",
-)  # fmt: skip
+BIAS_LIMIT: Threshold = 0.005
+"""share of noise in the accelerations: about the relative bias of an inertia"""
+NOISE_LIMIT: Threshold = 0.05
+"""noise power that accelerations carry into the model's torque, of the sensor's own: effects that smooth the model (a
+flexible drive) look real
+"""
+TOLERANCE: Threshold = 0.03
+"""by which a faster cut-off may predict unseen torque worse than the best: information thrown away"""
+NOISE_SEEN: Threshold = 1e-4
+"""share of noise in the accelerations at the fastest cut-off from which the encoders' noise is known: a guess at it
+would decide
+"""
+LOOSE_TOLERANCE: Threshold = 0.25
+"""the same tolerance where the noise is known: friction near standstill, which faster motion shows, would slow the cut-
+off
+"""
+FILTER: Threshold = 1 / 3
+"""part of the error at the slowest cut-off that its filter makes, from which the loose tolerance holds too: numbers
+that make up for a slow filter would be preferred to right ones
+"""
 PARTS, PART = 12, 100.0
 """A recording longer than so many stretches of so many s is judged by as many of them."""
 RESOLVED = 1e-5

@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import NOTHING
 from exoid.measurement.logged import Logged
 from exoid.measurement.signals.bridging import Bridge, bridging
@@ -64,10 +64,8 @@ INNER = 2.0
 """Cut-off of the angles over the common one. Angles smoothed at the common cut-off would be smoothed twice (the model's
 torque is filtered after them), the torque only once: near the cut-off a model then looks too smooth, as if the drive
 were flexible. What noise the wider band lets in, the common filter takes out again."""
-LOADED = threshold(
-    __name__, "LOADED", 3.0,
-    "times the sensor's noise by which the torque of a joint varies that has a drive: noise fitted as torque",
-)  # fmt: skip
+LOADED: Threshold = 3.0
+"""times the sensor's noise by which the torque of a joint varies that has a drive: noise fitted as torque"""
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is: what its encoder
 shows is noise. One that moves further but never faster than `STICK` creeps."""

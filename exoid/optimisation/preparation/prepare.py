@@ -16,7 +16,7 @@ import numpy as np
 from exoid.ground.engines.memory import reuse_freed_memory
 from exoid.ground.errors import NotEnoughDataError, RecordingError
 from exoid.ground.html import bullets, lines, table
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_greatest
 from exoid.measurement.auditing.checks.scale import check_scales
 from exoid.measurement.auditing.convention import check_conventions
@@ -45,25 +45,18 @@ from exoid.symbolic.joints import LEG, Joint, names
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
-SWAYS = threshold(
-    __name__, "SWAYS", 0.02,
-    "rad by which a base taken to stand still may turn: its motion passes for effects",
-)  # fmt: skip
-LEAST_CYCLES = threshold(
-    __name__, "LEAST_CYCLES", 2.0,
-    "cycles of the cut-off in the shortest recording: the filter leaves a line",
-)  # fmt: skip
-NOTED = threshold(
-    __name__, "NOTED", 0.005,
-    "share of a torque hidden as spikes from which it is said: a spike or two are no finding",
-)  # fmt: skip
-MANY = threshold(__name__, "MANY", 0.02, "share from which it is a warning with the place: a bad sensor is passed over")
+SWAYS: Threshold = 0.02
+"""rad by which a base taken to stand still may turn: its motion passes for effects"""
+LEAST_CYCLES: Threshold = 2.0
+"""cycles of the cut-off in the shortest recording: the filter leaves a line"""
+NOTED: Threshold = 0.005
+"""share of a torque hidden as spikes from which it is said: a spike or two are no finding"""
+MANY: Threshold = 0.02
+"""share from which it is a warning with the place: a bad sensor is passed over"""
 SPIKES = "torque_outliers"
 """What the finding on them is called."""
-UNDRIVEN = threshold(
-    __name__, "UNDRIVEN", 0.5,
-    "part of the largest torque that a joint said to be passive may show: a driven joint fitted as free",
-)  # fmt: skip
+UNDRIVEN: Threshold = 0.5
+"""part of the largest torque that a joint said to be passive may show: a driven joint fitted as free"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.signals.conditioning import UniformSignals, noise_density, quiet_noise
 from exoid.symbolic.joints import Joint
@@ -18,18 +18,12 @@ from exoid.symbolic.motion import Float
 
 ANGLES, TORQUES, FILTERED = "smooth_angles", "smooth_torques", "filtered_angles"
 """What the findings on them are called; the last is on angles beside torques that do hold a sensor's noise."""
-ENCODER = threshold(
-    __name__, "ENCODER", 4e-7,
-    "rad, noise of an angle, that of 22 bits at the joint: a good encoder would be doubted",
-)  # fmt: skip
-NOISY = threshold(
-    __name__, "NOISY", 1e-3,
-    "noise of a torque, of its middle 80 %, that a sensor has: exact simulations would be doubted",
-)  # fmt: skip
-SENSOR = threshold(
-    __name__, "SENSOR", 1e-5,
-    "noise of a torque, of its middle 80 %, that of 17 bits: a good sensor would be doubted",
-)  # fmt: skip
+ENCODER: Threshold = 4e-7
+"""rad, noise of an angle, that of 22 bits at the joint: a good encoder would be doubted"""
+NOISY: Threshold = 1e-3
+"""noise of a torque, of its middle 80 %, that a sensor has: exact simulations would be doubted"""
+SENSOR: Threshold = 1e-5
+"""noise of a torque, of its middle 80 %, that of 17 bits: a good sensor would be doubted"""
 
 
 def smoothed_findings(

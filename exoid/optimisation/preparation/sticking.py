@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.signals.conditioning import velocity_noise
 from exoid.measurement.signals.masks import widen
 from exoid.optimisation.linear.loss import Bool
@@ -16,20 +16,16 @@ from exoid.symbolic.motion import Float
 
 SIGN_WIDTH = (1e-4, 5e-2)
 """Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
-STICK = threshold(
-    __name__, "STICK", 0.03,
-    "rad/s below which a joint may stick and is not fitted: dry friction takes any value there, which no "
-    "function of motion tells",
-)  # fmt: skip
-STICK_REACH = threshold(
-    __name__, "STICK_REACH", 0.5,
-    "periods of the cut-off by which such samples reach further: direction is smeared there",
-)  # fmt: skip
-DWELL = threshold(
-    __name__, "DWELL", 0.9,
-    "part of its change before and after that a velocity keeps where a joint turns back at once: one that sticks "
-    "for a moment, between two samples, passes for one with a late torque or a soft drive",
-)  # fmt: skip
+STICK: Threshold = 0.03
+"""rad/s below which a joint may stick and is not fitted: dry friction takes any value there, which no function of
+motion tells
+"""
+STICK_REACH: Threshold = 0.5
+"""periods of the cut-off by which such samples reach further: direction is smeared there"""
+DWELL: Threshold = 0.9
+"""part of its change before and after that a velocity keeps where a joint turns back at once: one that sticks for a
+moment, between two samples, passes for one with a late torque or a soft drive
+"""
 BESIDE = 3
 """Samples before and after a reversal, of which the outer ones say how a velocity changes there usually."""
 DIRECTION = 1 / 3

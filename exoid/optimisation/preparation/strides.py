@@ -14,15 +14,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.symbolic.motion import Float
 
-ALIKE = threshold(
-    __name__, "ALIKE", 0.4,
-    "part of the standard deviation of the mean stride, RMS, by which strides differ from it in any angle: "
-    "motions that come again in another size every time would be laid over one another",
-)  # fmt: skip
+ALIKE: Threshold = 0.4
+"""part of the standard deviation of the mean stride, RMS, by which strides differ from it in any angle: motions that
+come again in another size every time would be laid over one another
+"""
 SHORTEST, LONGEST = 0.4, 6.0
 """s, of a stride."""
 COVERED = 0.6

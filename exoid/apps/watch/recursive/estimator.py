@@ -37,23 +37,17 @@ from scipy.linalg.lapack import dgeqrf, dtrtri
 from scipy.stats import t as student
 
 from exoid.apps.watch.recursive.estimator_c import kernel, layout
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
-ROBUST = threshold(
-    __name__, "ROBUST", 2.0,
-    "scales beyond which a residual counts linearly: a burst would move the numbers",
-)  # fmt: skip
-CREDIT = threshold(
-    __name__, "CREDIT", 20.0,
-    "samples' worth of forgetting that may be saved up: a long rest would be followed by a jump",
-)  # fmt: skip
-LEAST_BLOCKS = threshold(
-    __name__, "LEAST_BLOCKS", 4.0,
-    "blocks remembered before an interval is reported: a scatter of two or three is chance",
-)  # fmt: skip
+ROBUST: Threshold = 2.0
+"""scales beyond which a residual counts linearly: a burst would move the numbers"""
+CREDIT: Threshold = 20.0
+"""samples' worth of forgetting that may be saved up: a long rest would be followed by a jump"""
+LEAST_BLOCKS: Threshold = 4.0
+"""blocks remembered before an interval is reported: a scatter of two or three is chance"""
 
 
 TERMS = 3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.auditing.power_left import shares_left, smoothed_groups, sums_as_they_stand
@@ -14,14 +14,10 @@ from exoid.symbolic.joints import is_leg
 
 TRIED = np.arange(-120, 121, 5) * 1e-3
 """s; positive: the torque column is late."""
-GAIN = threshold(
-    __name__, "GAIN", 0.15,
-    "part of the torque's power that another timing explains: a missing effect looks late",
-)  # fmt: skip
-FITS = threshold(
-    __name__, "FITS", 0.2,
-    "share of power left, beyond which the rough leg cannot tell: other errors are larger",
-)  # fmt: skip
+GAIN: Threshold = 0.15
+"""part of the torque's power that another timing explains: a missing effect looks late"""
+FITS: Threshold = 0.2
+"""share of power left, beyond which the rough leg cannot tell: other errors are larger"""
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -7,33 +7,27 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import FORCE, Channel, channels, place, runs
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import machine_word
 from exoid.symbolic.motion import Float
 
-LEAST_ROWS = threshold(
-    __name__, "LEAST_ROWS", 10,
-    "rows of one value: a slow turning point on a coarse grid passes for a frozen channel",
-)  # fmt: skip
-LEAST_SECONDS = threshold(__name__, "LEAST_SECONDS", 0.1, "s of one value: the same at a high rate")
-DEAD = threshold(
-    __name__, "DEAD", 2.0,
-    "times the change of speed that 99 % of the motion keeps to, with which a joint stops or starts: one that "
-    "comes to rest would be called frozen",
-)  # fmt: skip
+LEAST_ROWS: Threshold = 10
+"""rows of one value: a slow turning point on a coarse grid passes for a frozen channel"""
+LEAST_SECONDS: Threshold = 0.1
+"""s of one value: the same at a high rate"""
+DEAD: Threshold = 2.0
+"""times the change of speed that 99 % of the motion keeps to, with which a joint stops or starts: one that comes to
+rest would be called frozen
+"""
 EDGE = 0.03
 """s before and after a stretch over which the speed of an angle is taken."""
-LONG = threshold(
-    __name__, "LONG", 2.0,
-    "s in which no angle changes while torques do: dry friction that turns round holds a leg so long",
-)  # fmt: skip
-GOES_ON = threshold(
-    __name__, "GOES_ON", 0.5,
-    "spread of every torque there, of that in motion: a leg that is held, and leant on",
-)  # fmt: skip
+LONG: Threshold = 2.0
+"""s in which no angle changes while torques do: dry friction that turns round holds a leg so long"""
+GOES_ON: Threshold = 0.5
+"""spread of every torque there, of that in motion: a leg that is held, and leant on"""
 SMOOTHED = 0.1
 """s over which torques are averaged for that: noise goes on as well."""
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
-WIDE = threshold(__name__, "WIDE", 2.5, "median steps: jitter would be counted as gaps")
-MISSING = threshold(
-    __name__, "MISSING", 0.01,
-    "share of samples, below which short gaps are not warned of: a lost packet",
-)  # fmt: skip
-LONG = threshold(__name__, "LONG", 0.1, "s: a joint can have started and stopped again in a gap that is not warned of")
+WIDE: Threshold = 2.5
+"""median steps: jitter would be counted as gaps"""
+MISSING: Threshold = 0.01
+"""share of samples, below which short gaps are not warned of: a lost packet"""
+LONG: Threshold = 0.1
+"""s: a joint can have started and stopped again in a gap that is not warned of"""
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
-NOTED = threshold(__name__, "NOTED", 0.05, "variation of the time step that is noted: rounded stamps")
-HEAVY = threshold(
-    __name__, "HEAVY", 0.30,
-    "variation that is warned of: stamps of arrival make accelerations of their own",
-)  # fmt: skip
+NOTED: Threshold = 0.05
+"""variation of the time step that is noted: rounded stamps"""
+HEAVY: Threshold = 0.30
+"""variation that is warned of: stamps of arrival make accelerations of their own"""
 
 
 def check(recording: Recording) -> list[Finding]:

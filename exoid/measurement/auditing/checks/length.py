@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.finding import SELECTION, Finding
 from exoid.measurement.recording import Recording
 
-LEAST_ROWS = threshold(__name__, "LEAST_ROWS", 50, "usable rows: a fit of ten parameters to a handful of samples")
-LEAST_SECONDS = threshold(__name__, "LEAST_SECONDS", 1.0, "s: the filter alone takes more")
-GOOD_SECONDS = threshold(
-    __name__, "GOOD_SECONDS", 5.0,
-    "s, below which it is warned: one stroke of a leg shows no effect twice",
-)  # fmt: skip
-USABLE = threshold(
-    __name__, "USABLE", 0.8,
-    "share of rows that are not masked, below which it is warned: little data is left",
-)  # fmt: skip
+LEAST_ROWS: Threshold = 50
+"""usable rows: a fit of ten parameters to a handful of samples"""
+LEAST_SECONDS: Threshold = 1.0
+"""s: the filter alone takes more"""
+GOOD_SECONDS: Threshold = 5.0
+"""s, below which it is warned: one stroke of a leg shows no effect twice"""
+USABLE: Threshold = 0.8
+"""share of rows that are not masked, below which it is warned: little data is left"""
 REMEDY = "record at least 10 s of motion of every joint at 100 Hz (35 s is usual)"
 
 

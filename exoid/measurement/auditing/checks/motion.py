@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import NOTHING, channels, place, torque_spans
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.mapping import listed
 from exoid.measurement.recording import Recording
 
-STILL = threshold(
-    __name__, "STILL", 0.01,
-    "rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion",
-)  # fmt: skip
-LITTLE = threshold(
-    __name__, "LITTLE", 0.15,
-    "the same, below which it hardly moves: its inertia and friction cannot be seen",
-)  # fmt: skip
-NONE = threshold(
-    __name__, "NONE", 1e-9,
-    "N·m (N) over which a torque changes: rounding, which no drive and no sensor has, is fitted",
-)  # fmt: skip
+STILL: Threshold = 0.01
+"""rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion"""
+LITTLE: Threshold = 0.15
+"""the same, below which it hardly moves: its inertia and friction cannot be seen"""
+NONE: Threshold = 1e-9
+"""N·m (N) over which a torque changes: rounding, which no drive and no sensor has, is fitted"""
 
 
 def check(recording: Recording) -> list[Finding]:

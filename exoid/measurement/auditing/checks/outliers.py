@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import channels, place
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.angles import running_median, sampled
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.spikes import CARRIED, DENSE, averaged, carried
 
-NOTED = threshold(
-    __name__, "NOTED", 0.02,
-    "share of such torques that is noted: a few that reversing friction makes are no finding",
-)  # fmt: skip
+NOTED: Threshold = 0.02
+"""share of such torques that is noted: a few that reversing friction makes are no finding"""
 
 
 def check(recording: Recording) -> list[Finding]:

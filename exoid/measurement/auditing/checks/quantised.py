@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import NOTHING, channels, place, step_of, torque_spans
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
-NOTED = threshold(
-    __name__, "NOTED", 500.0,
-    "grid steps within a channel's usual range, below which the grid is worth knowing",
-)  # fmt: skip
-COARSE = threshold(__name__, "COARSE", 60.0, "the same, below which it is warned of: accelerations drown in the steps")
+NOTED: Threshold = 500.0
+"""grid steps within a channel's usual range, below which the grid is worth knowing"""
+COARSE: Threshold = 60.0
+"""the same, below which it is warned of: accelerations drown in the steps"""
 
 
 def check(recording: Recording) -> list[Finding]:

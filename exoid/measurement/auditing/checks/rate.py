@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
-LEAST = threshold(__name__, "LEAST", 10.0, "Hz: inertias from accelerations that were never sampled")
-GOOD = threshold(
-    __name__, "GOOD", 40.0,
-    "Hz, below which it is warned: a leg moves at a few hertz, accelerations need ten times that",
-)  # fmt: skip
+LEAST: Threshold = 10.0
+"""Hz: inertias from accelerations that were never sampled"""
+GOOD: Threshold = 40.0
+"""Hz, below which it is warned: a leg moves at a few hertz, accelerations need ten times that"""
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -7,22 +7,20 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import FORCE, Channel, channels, place, runs, step_of
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.motion import Float
 
-PILE = threshold(
-    __name__, "PILE", 8.0,
-    "rows at the extreme value over rows at the levels next to it: a smooth turning point on a grid (below 4) "
-    "passes for an end of scale",
-)  # fmt: skip
-RESTING = threshold(
-    __name__, "RESTING", 0.03,
-    "last step before an angle stays, over its usual step: a joint that came to rest by itself passes for a "
-    "saturated angle",
-)  # fmt: skip
+PILE: Threshold = 8.0
+"""rows at the extreme value over rows at the levels next to it: a smooth turning point on a grid (below 4) passes for
+an end of scale
+"""
+RESTING: Threshold = 0.03
+"""last step before an angle stays, over its usual step: a joint that came to rest by itself passes for a saturated
+angle
+"""
 
 
 def check(recording: Recording) -> list[Finding]:

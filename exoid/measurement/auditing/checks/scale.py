@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least, least_of
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.auditing.non_negative import non_negative
@@ -24,27 +24,18 @@ from exoid.symbolic.motion import Float
 TRIED = np.logspace(-3, 3, 37)
 ROUNDING = 1e-24
 """(N·m)², summed: of a joint without a torque."""
-LEAST_GAIN = threshold(
-    __name__, "LEAST_GAIN", 0.02,
-    "share of the torques' power left, from which a factor is looked for: friction left out",
-)  # fmt: skip
-GOOD = threshold(
-    __name__, "GOOD", 0.12,
-    "share of power that the factor leaves at most: one that fits nothing would be named",
-)  # fmt: skip
-TIMES = threshold(__name__, "TIMES", 4.0, "times less than without it: two scales that fit alike")
-PLAIN = threshold(
-    __name__, "PLAIN", 5.0,
-    "factor, or one over it, that no effect of a drive is: a wrong gain would be called a gear",
-)  # fmt: skip
-SHOWN = threshold(
-    __name__, "SHOWN", 0.005,
-    "share of a joint's power that a plain factor explains at least: rounding beside a good fit",
-)  # fmt: skip
-WEAK = threshold(
-    __name__, "WEAK", 0.02,
-    "N·m, standard deviation of the larger torque: a small rig would be taken for kN·m or currents",
-)  # fmt: skip
+LEAST_GAIN: Threshold = 0.02
+"""share of the torques' power left, from which a factor is looked for: friction left out"""
+GOOD: Threshold = 0.12
+"""share of power that the factor leaves at most: one that fits nothing would be named"""
+TIMES: Threshold = 4.0
+"""times less than without it: two scales that fit alike"""
+PLAIN: Threshold = 5.0
+"""factor, or one over it, that no effect of a drive is: a wrong gain would be called a gear"""
+SHOWN: Threshold = 0.005
+"""share of a joint's power that a plain factor explains at least: rounding beside a good fit"""
+WEAK: Threshold = 0.02
+"""N·m, standard deviation of the larger torque: a small rig would be taken for kN·m or currents"""
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import FORCE, channels, place
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
-LOW = threshold(
-    __name__, "LOW", 0.15,
-    "part of its range above its lowest value up to which the foot is in the air: stance would count",
-)  # fmt: skip
-SWING = threshold(
-    __name__, "SWING", 0.15,
-    "share of the samples that must be so low: a foot that never leaves the ground has no zero",
-)  # fmt: skip
-OFF = threshold(
-    __name__, "OFF", 0.03,
-    "part of its range by which the force may be off in the air: noise would be an offset",
-)  # fmt: skip
+LOW: Threshold = 0.15
+"""part of its range above its lowest value up to which the foot is in the air: stance would count"""
+SWING: Threshold = 0.15
+"""share of the samples that must be so low: a foot that never leaves the ground has no zero"""
+OFF: Threshold = 0.03
+"""part of its range by which the force may be off in the air: noise would be an offset"""
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -4,31 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import channels, place
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
 
-TURNS = threshold(
-    __name__, "TURNS", 4 * np.pi,
-    "rad: a link that swings right over (2π and a little more) would be taken for degrees",
-)  # fmt: skip
-EACH = threshold(
-    __name__, "EACH", np.pi,
-    "rad, reached by every angle that is read in degrees: one in rad beside it would be as well",
-)  # fmt: skip
-ROUND = threshold(
-    __name__, "ROUND", 270.0,
-    "degrees that a limb reaches at most, from any zero: counts of an encoder would be read so",
-)  # fmt: skip
-STRONG = threshold(__name__, "STRONG", 1000.0, "N·m, as a median: the torque of a strong drive would be taken for mN·m")
-WEAK = threshold(__name__, "WEAK", 0.1, "N·m, reached by the stronger torque: the smallest rig would be taken for kN·m")
-FAR = threshold(__name__, "FAR", 20.0, "m: a long slide would be taken for millimetres")
-LITTLE = threshold(
-    __name__, "LITTLE", 0.3,
-    "rad, over which the joint that moves most swings: a small motion would be taken for turns",
-)  # fmt: skip
+TURNS: Threshold = 4 * np.pi
+"""rad: a link that swings right over (2π and a little more) would be taken for degrees"""
+EACH: Threshold = np.pi
+"""rad, reached by every angle that is read in degrees: one in rad beside it would be as well"""
+ROUND: Threshold = 270.0
+"""degrees that a limb reaches at most, from any zero: counts of an encoder would be read so"""
+STRONG: Threshold = 1000.0
+"""N·m, as a median: the torque of a strong drive would be taken for mN·m"""
+WEAK: Threshold = 0.1
+"""N·m, reached by the stronger torque: the smallest rig would be taken for kN·m"""
+FAR: Threshold = 20.0
+"""m: a long slide would be taken for millimetres"""
+LITTLE: Threshold = 0.3
+"""rad, over which the joint that moves most swings: a small motion would be taken for turns"""
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.ground.thresholds import threshold
+from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import WORDS, place
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
 WINDOW = 0.1
 """s over which the velocity is summed: long enough to average noise, short against the motion."""
-WRONG = threshold(
-    __name__, "WRONG", 0.2,
-    "relative difference of logged velocity and derivative: a filtered velocity called wrong",
-)  # fmt: skip
+WRONG: Threshold = 0.2
+"""relative difference of logged velocity and derivative: a filtered velocity called wrong"""
 SCALES = (
     (57.3, "it looks like degrees per second", "deg/s"),
     (9.55, "it looks like rpm", "rpm"),
