@@ -50,6 +50,7 @@ ROUNDS = 2
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
 OTHERS_TOO = " So many differences at once may also be those of another machine."
+MORE_TOO = " More than noise is left beside that: such numbers may also stand for what the model lacks."
 
 
 def discover(
@@ -95,12 +96,15 @@ def answer_of(
     late = late_clocks(given.prepared.clock_rates)
     if (answer.verdict == "adequate" and answer.error is None and not late) or answer.outside:
         return answer
-    doubtful = bool(answer.accepted) and (bool(answer.of_recordings) or answer.error is not None)
+    # An effect of which each recording has a number, as a delay, may be the clock of some.
+    own = [term.name for term in answer.model.terms if term.effect.has_own_numbers]
+    doubtful = bool(answer.accepted) and (bool(answer.of_recordings) or answer.error is not None or bool(own))
     if not (doubtful or late or given.prepared.clocks):
         return answer  # nothing says that a clock is another's
     # How late a clock is shows best beside what else was found.
-    beside = replace(question, model=answer.model) if answer.accepted else question
-    last = _on(answer.fit, given.prepared)
+    beside = replace(question, model=_without(answer.model, own)) if answer.accepted else question
+    fit = identify(beside.model, given.prepared.train, optimisers=()) if own else answer.fit
+    last = _on(fit, given.prepared)
     if doubtful:
         rates = clock_rates(last.model, last.prepared.all, last.shape, last.linear)
         last = replace(last, prepared=replace(last.prepared, clock_rates=rates))
@@ -194,7 +198,8 @@ def _beside_own(
         return answer
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
         return answer  # what is another machine's is explained by no such number, or by as many as a machine has
-    return with_own(rival, told, base, OTHERS_TOO if own.as_many_as(rules.half) else "")
+    cautions = (OTHERS_TOO * own.as_many_as(rules.half), MORE_TOO * (rival.error is not None))
+    return with_own(rival, told, base, "".join(cautions))
 
 
 def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
@@ -204,11 +209,16 @@ def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
     own = belonging_to(last, rules)
     if own is None or not own.needless:
         return own
-    model, prepared = last.model, last.prepared
-    for name in own.needless:
-        model = model.without(name)
+    model, prepared = _without(last.model, own.needless), last.prepared
     without = belonging_to(_on(identify(model, prepared.train, optimisers=()), prepared), rules)
     return without and replace(without, needless=own.needless)
+
+
+def _without(model: Model, names: Sequence[str]) -> Model:
+    """Return a model without some of its effects."""
+    for name in names:
+        model = model.without(name)
+    return model
 
 
 def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:

@@ -61,19 +61,23 @@ def clock_rates(
 ) -> tuple[ClockRate, ...]:
     """Clock rates of the torques in every recording that tells them, beside a model at a `shape` (S,); of one that
     feeds torques back, at `linear` numbers (P,).
+
+    Friction that reverses late is a spike beside the model, and tells the clock; other spikes only add noise.
     """
-    found = (clock_rate(base, recording, shape, linear) for recording in prepared)
+    found = (clock_rate(base, _with_spikes(recording), shape, linear) for recording in prepared)
     return tuple(rate for rate in found if rate is not None)
 
 
-def clocks_apart(
-    base: Model, prepared: Sequence[PreparedRecording], rates: Sequence[ClockRate]
-) -> tuple[ClockRate, ...]:
+def clocks_apart(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
     """Clocks of torques that run at another rate than the angles': one for all recordings (`EVERY`), or else those of
-    single ones. `rates` are those of `prepared`.
+    single ones.
     """
-    # Friction that reverses late is a spike beside the model, and tells the clock; other spikes only add noise.
-    return _apart(rates) or _apart(clock_rates(base, [_with_spikes(recording) for recording in prepared]))
+    if not rates:
+        return ()
+    together = _together(rates)
+    if _is_apart(together, len(rates)):
+        return (together,)
+    return tuple(item for item in rates if len(rates) > 1 and _is_apart(item, 1))
 
 
 def clock_findings(clocks: Sequence[ClockRate]) -> tuple[Finding, ...]:
@@ -123,15 +127,6 @@ def _with_spikes(one: PreparedRecording) -> PreparedRecording:
     return one if one.read is None else one.without(np.zeros(one.hidden.shape, dtype=bool))
 
 
-def _apart(found: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
-    if not found:
-        return ()
-    together = _together(found)
-    if _is_apart(together, len(found)):
-        return (together,)
-    return tuple(item for item in found if len(found) > 1 and _is_apart(item, 1))
-
-
 def _together(found: Sequence[ClockRate]) -> ClockRate:
     """The clock of all recordings."""
     weight = np.array([1.0 / item.error**2 for item in found])
@@ -173,27 +168,31 @@ def clock_rate(
     """Clock rate of one recording; None where it is too short, or nothing is driven.
 
     Where the clocks come far apart a derivative is not enough: the torque is read at the rate found so far, and again.
+    What they explain is told as they stand, how far they are known as they are read last.
     """
     motion, use = one.motion, one.used & one.driven[:, None]
     if use.sum() < LEAST_SAMPLES:
         return None
     own = _own_columns(one, base.columns(motion, shape, linear if base.needs_reference else None))
     middle = 0.5 * float(motion.t[0] + motion.t[-1])
-    rate, late, first = 0.0, 0.0, None
-    for _ in range(STEPS):
-        at = middle + (motion.t - middle) * (1.0 - rate) + late
+    found = ClockRate(one.name, 0.0, np.inf, 0.0, 0.0)
+    for number in range(STEPS):
+        at = middle + (motion.t - middle) * (1.0 - found.rate) + found.late
         torque = np.column_stack([np.interp(at, motion.t, column) for column in one.wide_tau.T])
-        step = _step(one, own, torque, use)
-        if step is None:
+        if (step := _step(one, own, torque, use)) is None:
             return None
-        rate, late = rate + step.rate, late + step.late
-        first = first or step
+        share, late_share = (found.share, found.late_share) if number else (step.share, step.late_share)
+        rate, late = found.rate + step.rate, found.late + step.late
         if abs(rate) > MOST or abs(late) > LATEST:
             return None
+        found = replace(step, rate=rate, late=late, share=share, late_share=late_share)
         known = abs(step.rate) < step.error and abs(step.late) < step.late_error
-        if known or max(first.share, first.late_share) < SHARE:  # of no use to anybody, however far it is off
-            break
-    return None if first is None else replace(first, rate=rate, late=late)
+        if known or max(share, late_share) < SHARE:  # of no use to anybody, however far it is off
+            return found
+    # What the last step still changed is not known either.
+    assert step is not None
+    error, late_error = float(np.hypot(step.error, step.rate)), float(np.hypot(step.late_error, step.late))
+    return replace(found, error=error, late_error=late_error)
 
 
 def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> ClockRate | None:

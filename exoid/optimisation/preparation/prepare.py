@@ -157,7 +157,7 @@ def prepare(
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
     rates = () if misread else clock_rates(base, done)
-    clocks = () if misread else clocks_apart(base, done, rates)
+    clocks = () if misread else clocks_apart(rates)
     wrong = np.sqrt(mean_square(torque_of_filter(base, beta, done), done))
     return Prepared(
         train=tuple(done[:count]),
