@@ -102,7 +102,7 @@ def answer_of(
     if not (doubtful or late or given.prepared.clocks):
         return answer  # nothing says that a clock is another's
     # How late a clock is shows best beside what else was found.
-    beside = replace(question, model=_without(answer.model, own)) if answer.accepted else question
+    beside = replace(question, model=answer.model.without(*own)) if answer.accepted else question
     fit = identify(beside.model, given.prepared.train, optimisers=()) if own else answer.fit
     last = _on(fit, given.prepared)
     if doubtful:
@@ -209,16 +209,9 @@ def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
     own = belonging_to(last, rules)
     if own is None or not own.needless:
         return own
-    model, prepared = _without(last.model, own.needless), last.prepared
+    model, prepared = last.model.without(*own.needless), last.prepared
     without = belonging_to(_on(identify(model, prepared.train, optimisers=()), prepared), rules)
     return without and replace(without, needless=own.needless)
-
-
-def _without(model: Model, names: Sequence[str]) -> Model:
-    """Return a model without some of its effects."""
-    for name in names:
-        model = model.without(name)
-    return model
 
 
 def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:

@@ -223,12 +223,14 @@ class ModelStructure:
         several = [terms] if isinstance(terms, (str, Effect)) else terms
         return tuple(term if isinstance(term, Term) else self._term(term) for term in several)
 
-    def without(self, term_name: str) -> Self:
-        """Return this model without the term of that name; EffectError where it has none."""
-        if term_name not in {term.name for term in self.terms}:
-            remedy = "its terms are: " + (", ".join(term.name for term in self.terms) or "none")
-            raise EffectError(f"the model has no term {term_name!r}", where=self.name, remedy=remedy)
-        return replace(self, terms=tuple(term for term in self.terms if term.name != term_name))
+    def without(self, *names: str) -> Self:
+        """Return this model without the terms of these names; EffectError where it has none of one."""
+        known = [term.name for term in self.terms]
+        for name in names:
+            if name not in known:
+                remedy = "its terms are: " + (", ".join(known) or "none")
+                raise EffectError(f"the model has no term {name!r}", where=self.name, remedy=remedy)
+        return replace(self, terms=tuple(term for term in self.terms if term.name not in names))
 
     def base(self) -> Self:
         """Return the model of the same machine, with the same measured forces, without terms."""

@@ -120,10 +120,8 @@ class SearchContext:
     def without(self, extension: Extension, scores: Sequence[Score]) -> Extension:
         """Return the model of `extension` without the terms of `scores`, refitted."""
         names = {score.name for score in scores}
-        model = extension.fitted.model
-        keep = [i for i, s in enumerate(model.shapes) if s.term not in names]
-        for name in names:
-            model = model.without(name)
+        whole = extension.fitted.model
+        model, keep = whole.without(*names), [i for i, s in enumerate(whole.shapes) if s.term not in names]
         shapes = np.asarray(extension.fitted.fit.shapes)[:, keep]
         start = shapes if any(s.shape.per_recording for s in model.shapes) else shapes[0]
         return self.fit(model, start if model.shapes else None)

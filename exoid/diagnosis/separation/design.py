@@ -126,10 +126,7 @@ def separate(
 def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ...]]:
     """Return the model without the rivals, and the rivals as terms of it."""
     rivals = [rivals] if isinstance(rivals, str) else rivals
-    base = model
-    for name in rivals:
-        if name in {term.name for term in base.terms}:
-            base = base.without(name)
+    base = model.without(*(term.name for term in model.terms if term.name in rivals))
     terms = tuple(base.with_effect(name).terms[-1] for name in rivals)
     names = [term.name for term in terms]
     if len(set(names)) < 2 or len(set(names)) < len(names):

@@ -55,12 +55,10 @@ def split_channel(true: TrueModel) -> tuple[TrueModel, TrueModel]:
 
 def _kept(true: TrueModel, wanted: Callable[[Term], bool]) -> TrueModel:
     """Return the model with those terms that are `wanted`; itself where these are all."""
-    model = true.model
-    for term in true.model.terms:
-        if not wanted(term):
-            model = model.without(term.name)
-    if model is true.model:
+    others = [term.name for term in true.model.terms if not wanted(term)]
+    if not others:
         return true
+    model = true.model.without(*others)
     numbers = true.numbers()
     linear = np.array([numbers[entry.name] for entry in model.parameters])
     return TrueModel(model, linear, np.array([numbers[entry.name] for entry in model.shapes], dtype=float))
