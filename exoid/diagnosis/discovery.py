@@ -47,6 +47,11 @@ from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
+ABOUT = (
+    " The clocks are known only roughly, and what that leaves looks like small effects, which are not told: put them "
+    "right, and ask again."
+)
+"""What is said of effects that were not named with the clocks as they stood."""
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
 OTHERS_TOO = " So many differences at once may also be those of another machine."
@@ -112,11 +117,17 @@ def answer_of(
     if clock is None:
         return answer
     base = clock.fitted if beside is question else _again(question, given, many, tick, clock.recordings)
-    rival = _beside_own(asking, base, clock.recordings[:many], clock.recordings[many:])
-    # What a clock that is known only about leaves resembles effects: those alone are named that were before, too.
-    named, before = ({effect.name for effect in item.accepted} for item in (rival, answer))
-    if rival.verdict == "adequate" or (named and named <= before and rival.error is None):
-        return with_own(rival, clock.told, given)
+    before, caution = {effect.name for effect in answer.accepted}, ""
+    for most in (question.asked.most, len(before)):
+        limited = replace(question, asked=replace(question.asked, most=most))
+        rival = _beside_own(
+            replace(asking, question=limited), base, clock.recordings[:many], clock.recordings[many:]
+        )
+        named = {effect.name for effect in rival.accepted}
+        if rival.verdict == "adequate" or (named and named <= before and rival.error is None):
+            return with_own(rival, clock.told, given, caution)
+        # What a clock that is known only about leaves resembles effects: those alone are named that were before, too.
+        caution = ABOUT
     return replace(answer, of_recordings=clock.told) if given.prepared.clocks else answer
 
 
