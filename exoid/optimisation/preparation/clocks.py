@@ -32,6 +32,8 @@ APART: Threshold = 0.004
 """s over a recording by which clocks of different rates come apart: no answer depends on less"""
 SHARE: Threshold = 0.1
 """share of what a rigid machine leaves that it explains: a missing effect happens to look so by a few hundredths"""
+ALIKE: Threshold = 3.0
+"""standard errors within which recordings have one clock: that of a single one would be put right, and no other"""
 LEAST_SAMPLES = 200
 STEPS, MOST, LATEST = 6, 0.05, 0.3
 """Times that a torque is read anew by the clock found; largest rate and delay (s) that are looked for."""
@@ -69,15 +71,14 @@ def clock_rates(
 
 
 def clocks_apart(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
-    """Clocks of torques that run at another rate than the angles': one for all recordings (`EVERY`), or else those of
-    single ones.
+    """Clocks of torques that run at another rate than the angles': one for all recordings (`EVERY`), as one logger has
+    it, or those of single ones where others contradict.
     """
     if not rates:
         return ()
-    together = _together(rates)
-    if _is_apart(together, len(rates)):
-        return (together,)
-    return tuple(item for item in rates if len(rates) > 1 and _is_apart(item, 1))
+    together, alone = _together(rates), tuple(item for item in rates if len(rates) > 1 and _is_apart(item, 1))
+    alike = alone and all(abs(item.rate - together.rate) <= ALIKE * item.error for item in rates)
+    return (together,) if alike or _is_apart(together, len(rates)) else alone
 
 
 def clock_findings(clocks: Sequence[ClockRate]) -> tuple[Finding, ...]:
