@@ -16,7 +16,7 @@ from exoid.diagnosis.results import Accepted
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search import doubt as doubts
 from exoid.diagnosis.search.engine import run_search
-from exoid.diagnosis.search.possible import leading_of
+from exoid.diagnosis.search.possible import leading_of, possible_of
 from exoid.diagnosis.search.state import State
 from exoid.diagnosis.sureness import FAIRLY, UNSURE, VERY
 from exoid.diagnosis.verdict import conclude
@@ -131,6 +131,16 @@ def test_what_leads_the_suspects_and_is_not_accepted_has_its_reason():
     weak = [replace(score, significant=False, p_value=0.3) for score in first]
     assert "p = 0.3" in leading_of(context, state, weak, before).reason
     assert leading_of(context, State(state.extensions), (), before) is None
+
+
+def test_what_was_refused_before_another_effect_came_is_still_possible_with_its_reason():
+    numbers = {"torque_offset:knee": ([1.0], []), "torque_offset:hip": ([1.0], [])}
+    context = search(numbers, BOTH)
+    state = state_with(context, "torque_offset:hip")
+    context.note_doubt(state.extensions[0], "torque_offset:knee", "held-out motion does not have it")
+    context.rank(state.last, 2)
+    (found,) = possible_of(context, state, True)
+    assert found.name == "torque_offset:knee" and found.reason == "held-out motion does not have it"
 
 
 # -- a machine that cannot be ---------------------------------------------------------------------------------

@@ -203,8 +203,8 @@ def _refits(
     helping = [
         (score, found)
         for score, found in refits
-        if (context.unseen_gain(extension, found) >= rules.least_share or extension.outvotes(found, rules))
-        and not context.doubt(extension, found)
+        if not context.doubt(extension, found)  # first: what speaks against it is told
+        and (context.unseen_gain(extension, found) >= rules.least_share or extension.outvotes(found, rules))
     ]
     return helping, elsewhere
 

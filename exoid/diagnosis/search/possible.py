@@ -13,6 +13,7 @@ from exoid.diagnosis.evidence.stability import Splits
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Possible
 from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.doubt import Objection
 from exoid.diagnosis.search.state import State
 from exoid.ground.ties import ascending, index_of_greatest
 from exoid.symbolic.motion import Float
@@ -44,7 +45,7 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
         agreement = score.agreement or Agreement()
         if agreement.share is not None and agreement.share < rules.little:
             continue
-        if objection := context.doubts.get((key, score.name)):
+        if objection := _objection(context, state, score.name):
             out.append(replace(_possible(score, agreement, objection.reason), early=objection.early))
         elif reason := _too_few(score, several):
             untested.append((score, agreement, reason))
@@ -78,9 +79,8 @@ def leading_of(context: SearchContext, state: State, first: Sequence[Score], bef
 def _why_not(context: SearchContext, state: State, score: Score) -> str:
     """Reason why a candidate was not accepted, whatever it explains of the error of the model that was given."""
     name = score.name
-    for extension in (state.last, state.extensions[0]):
-        if objection := context.doubts.get((context.key(extension), name)):
-            return objection.reason
+    if objection := _objection(context, state, name):
+        return objection.reason
     if score.caution:
         return score.caution
     if name in state.banned:
@@ -99,6 +99,12 @@ def _why_not(context: SearchContext, state: State, score: Score) -> str:
         chance = "" if score.p_value is None else f", p = {score.p_value:.2g} among {len(context.library.candidates)}"
         return f"the same effect, shifted in time, does as well too often{chance}"
     return "after a refit of everything it explains nothing of unseen motion that is clearly more than chance"
+
+
+def _objection(context: SearchContext, state: State, name: str) -> Objection | None:
+    """Objection to a candidate after a refit, beside the last model on the way with which it was tried."""
+    tried = (context.doubts.get((context.key(extension), name)) for extension in reversed(state.extensions))
+    return next(filter(None, tried), None)
 
 
 def _too_few(score: Score, several: bool) -> str:
