@@ -70,7 +70,7 @@ async function loadOther(recording) {
   const word = document.getElementById("word-after");
   word.textContent = otherWord();
   word.parentElement.className = `key-${otherWord()}`;
-  const words = added() || (verdict.proposed && verdict.accepted.length > 0) ? otherWord() : "";
+  const words = added() || (verdict.proposed && verdict.steps.length > 1) ? otherWord() : "";
   const key = `${recording}|${words}|${words === "after" ? verdict.headline : ""}`;
   if (!words) other = null;
   else if (!other || other.key !== key) {
