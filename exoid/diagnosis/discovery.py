@@ -101,8 +101,9 @@ def answer_of(
     late = late_clocks(given.prepared.clock_rates)
     if (answer.verdict == "adequate" and answer.error is None and not late) or answer.outside:
         return answer
-    # An effect of which each recording has a number, as a delay, may be the clock of some.
-    own = [term.name for term in answer.model.terms if term.effect.has_own_numbers]
+    # An effect that was found and of which each recording has a number, as a delay, may be the clock of some.
+    before, terms = {effect.name for effect in answer.accepted}, answer.model.terms
+    own = [term.name for term in terms if term.name in before and term.effect.has_own_numbers]
     doubtful = bool(answer.accepted) and (bool(answer.of_recordings) or answer.error is not None or bool(own))
     if not (doubtful or late or given.prepared.clocks):
         return answer  # nothing says that a clock is another's
@@ -117,12 +118,10 @@ def answer_of(
     if clock is None:
         return answer
     base = clock.fitted if beside is question else _again(question, given, many, tick, clock.recordings)
-    before, caution = {effect.name for effect in answer.accepted}, ""
+    caution = ""
     for most in (question.asked.most, len(before)):
         limited = replace(question, asked=replace(question.asked, most=most))
-        rival = _beside_own(
-            replace(asking, question=limited), base, clock.recordings[:many], clock.recordings[many:]
-        )
+        rival = _beside_own(replace(asking, question=limited), base, clock.recordings[:many], clock.recordings[many:])
         named = {effect.name for effect in rival.accepted}
         if rival.verdict == "adequate" or (named and named <= before and rival.error is None):
             return with_own(rival, clock.told, given, caution)
