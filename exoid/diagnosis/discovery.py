@@ -52,6 +52,8 @@ ABOUT = (
     "right, and ask again."
 )
 """What is said of effects that were not named with the clocks as they stood."""
+CLOCKS_RIGHT = "with the clocks put right, as well as they are known, the error is near the noise"
+NOT_TOLD = "what more would be found looks like what roughly known clocks leave"
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
 OTHERS_TOO = " So many differences at once may also be those of another machine."
@@ -119,11 +121,14 @@ def answer_of(
         return answer
     base = clock.fitted if beside is question else _again(question, given, many, tick, clock.recordings)
     caution = ""
-    for most in (question.asked.most, len(before)):
+    for most in dict.fromkeys((question.asked.most, len(before))):
         limited = replace(question, asked=replace(question.asked, most=most))
         rival = _beside_own(replace(asking, question=limited), base, clock.recordings[:many], clock.recordings[many:])
         named = {effect.name for effect in rival.accepted}
         if rival.verdict == "adequate" or (named and named <= before and rival.error is None):
+            if caution:  # nothing was asked beyond these: neither the catalogue nor a limit ended the search
+                rule = CLOCKS_RIGHT if rival.verdict == "adequate" else rival.rule
+                rival = replace(rival, rule=rule, stopped_because=NOT_TOLD)
             return with_own(rival, clock.told, given, caution)
         # What a clock that is known only about leaves resembles effects: those alone are named that were before, too.
         caution = ABOUT
@@ -208,8 +213,9 @@ def _beside_own(
         return answer
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
         return answer  # what is another machine's is explained by no such number, or by as many as a machine has
-    cautions = (OTHERS_TOO * own.as_many_as(rules.half), MORE_TOO * (rival.error is not None))
-    return with_own(rival, told, base, "".join(cautions))
+    caution = OTHERS_TOO if own.as_many_as(rules.half) else ""
+    caution += MORE_TOO if rival.error is not None else ""
+    return with_own(rival, told, base, caution)
 
 
 def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:

@@ -24,8 +24,6 @@ def torques_over_time(models: Mapping[str, FittedModel]) -> Figure:
     prepared = first.prepared
     index = len(prepared.train) if prepared.verify else 0
     recording = prepared.all[index]
-    drawn = {
-        name: ((recording.torque - left).T, np.where(recording.used, left, np.nan).T)
-        for name, left in ((name, model.residuals[index]) for name, model in models.items())
-    }
+    left = {name: model.residuals[index] for name, model in models.items()}
+    drawn = {name: ((recording.torque - x).T, np.where(recording.used, x, np.nan).T) for name, x in left.items()}
     return over_time(recording.name, recording.t, recording.torque.T, drawn, first.model.joints)

@@ -47,6 +47,7 @@ def test_two_clocks_are_said_and_nothing_is_named(share):
     assert ("faster" if share > 0 else "slower") in said.what
     answer = discover(Model(), given[:3], given[3:])
     assert answer.verdict in ("adequate", "check_channels") and not answer.accepted and "clock" in answer.sentence
+    assert "are the limit" not in answer.stopped_because and "one step" not in answer.stopped_because
     (told,) = (one for one in answer.of_recordings if one.what == "clock_rate")
     assert {name: one.value for name, one in told.values.items()} == pytest.approx(
         {one.name: share for one in given}, rel=0.1

@@ -38,8 +38,8 @@ NOISE_SEEN: Threshold = 1e-4
 would decide
 """
 LOOSE_TOLERANCE: Threshold = 0.25
-"""the same tolerance where the noise is known: friction near standstill, which faster motion shows, would slow the cut-
-off
+"""the same tolerance where the noise is known: friction near standstill, which faster motion shows, would slow the
+cut-off
 """
 FILTER: Threshold = 1 / 3
 """part of the error at the slowest cut-off that its filter makes, from which the loose tolerance holds too: numbers
