@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -17,7 +16,6 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.own_sway import own_sway
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
-from exoid.diagnosis.own_numbers.clocks import one_clock
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
@@ -41,19 +39,11 @@ from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.preparation.clocks import clock_rates, late_clocks
-from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
-ABOUT = (
-    " The clocks are known only roughly, and what that leaves looks like small effects, which are not told: put them "
-    "right, and ask again."
-)
-"""What is said of effects that were not named with the clocks as they stood."""
-CLOCKS_RIGHT = "with the clocks put right, as well as they are known, the error is near the noise"
-NOT_TOLD = "what more would be found looks like what roughly known clocks leave"
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
 OTHERS_TOO = " So many differences at once may also be those of another machine."
@@ -98,41 +88,7 @@ def answer_of(
     it predicts clearly better, the answer is that beside it.
     """
     asking = _Asking(question, tick, found, time.perf_counter())
-    given, many = question.fitted(recordings, verify, tick, prepared), len(recordings)
-    answer = _beside_own(asking, given, recordings, verify)
-    late = late_clocks(given.prepared.clock_rates)
-    if (answer.verdict == "adequate" and answer.error is None and not late) or answer.outside:
-        return answer
-    # An effect that was found and of which each recording has a number, as a delay, may be the clock of some.
-    before, terms = {effect.name for effect in answer.accepted}, answer.model.terms
-    own = [term.name for term in terms if term.name in before and term.effect.has_own_numbers]
-    doubtful = bool(answer.accepted) and (bool(answer.of_recordings) or answer.error is not None or bool(own))
-    if not (doubtful or late or given.prepared.clocks):
-        return answer  # nothing says that a clock is another's
-    # How late a clock is shows best beside what else was found.
-    beside = replace(question, model=answer.model.without(*own)) if answer.accepted else question
-    fit = identify(beside.model, given.prepared.train, optimisers=()) if own else answer.fit
-    last = _on(fit, given.prepared)
-    if doubtful:
-        rates = clock_rates(last.model, last.prepared.all, last.shape, last.linear)
-        last = replace(last, prepared=replace(last.prepared, clock_rates=rates))
-    clock = one_clock(last, (*recordings, *verify), partial(_again, beside, given, many, tick), question.rules)
-    if clock is None:
-        return answer
-    base = clock.fitted if beside is question else _again(question, given, many, tick, clock.recordings)
-    caution = ""
-    for most in dict.fromkeys((question.asked.most, len(before))):
-        limited = replace(question, asked=replace(question.asked, most=most))
-        rival = _beside_own(replace(asking, question=limited), base, clock.recordings[:many], clock.recordings[many:])
-        named = {effect.name for effect in rival.accepted}
-        if rival.verdict == "adequate" or (named and named <= before and rival.error is None):
-            if caution:  # nothing was asked beyond these: neither the catalogue nor a limit ended the search
-                rule = CLOCKS_RIGHT if rival.verdict == "adequate" else rival.rule
-                rival = replace(rival, rule=rule, stopped_because=NOT_TOLD)
-            return with_own(rival, clock.told, given, caution)
-        # What a clock that is known only about leaves resembles effects: those alone are named that were before, too.
-        caution = ABOUT
-    return replace(answer, of_recordings=clock.told) if given.prepared.clocks else answer
+    return _beside_own(asking, question.fitted(recordings, verify, tick, prepared), recordings, verify)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,19 +105,6 @@ class _Asking:
         return replace(self, tick=_part(self.tick, low, high))
 
 
-def _again(
-    question: Question, given: FittedModel, many: int, tick: Progress, recordings: Sequence[Recording]
-) -> FittedModel:
-    """Return the model that was given, fitted to other versions of the recordings, of which the first `many` are fitted
-    and all are filtered as before.
-    """
-    asked, before = question.asked, given.prepared
-    prepared = prepare(
-        question.model, recordings[:many], recordings[many:], cutoff=before.choice.cutoff, derivative=asked.derivative
-    )
-    return question.fitted((), (), tick, replace(prepared, choice=before.choice))
-
-
 def _beside_own(
     asking: _Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis:
@@ -169,15 +112,22 @@ def _beside_own(
     answer = _of_machine(asking, base, recordings, verify)
     question, given = asking.question, base.prepared
     rules = question.rules
-    last = _on(answer.fit, given)
-    beside = None if given.misread else _belonging_beside(last, rules)
+    if given.misread:
+        return answer
+    whole = _on(answer.fit, given)
+    # An effect that was found and of which each recording has a number, as a delay, may be what belongs to some.
+    own_too = [effect.name for effect in answer.accepted if answer.model.find_effect(effect.effect).has_own_numbers]
+    last = _on(identify(answer.model.without(*own_too), given.train, optimisers=()), given) if own_too else whole
+    beside = _belonging_beside(last, rules)
     if beside is None:
         return answer
-    alone = beside if answer.fit is base.fit else belonging_to(base, rules)
-    machines = [(explained_by(last, found), found) for found in _of_machine_alone(question, answer, given)]
+    alone = beside if last.fit is base.fit else belonging_to(base, rules)
+    machines = [(explained_by(last, found), found) for found in _of_machine_alone(question, answer, last)]
 
     def is_worth(own: OwnNumbers, beside: FittedModel) -> bool:
         """True if they predict clearly better, beside an effect of the machine that explains nearly as much, too."""
+        if own_too and predicts_better(beside, whole, rules):
+            return False
         least = rules.most * explained_by(last, beside)
         return predicts_better(last, beside, rules, own.cuts) and all(
             share < least or predicts_better(found, own.beside(found.model, given), rules, own.cuts)
@@ -185,7 +135,7 @@ def _beside_own(
         )
 
     def is_worth_asking(own: OwnNumbers) -> bool:
-        return is_worth(own, own.beside(answer.model, given))
+        return is_worth(own, own.beside(last.model, given))
 
     # What belongs to recordings beside the model as given may be what an effect took the place of, or its trace.
     asked = dict.fromkeys((alone, beside))
@@ -207,7 +157,8 @@ def _beside_own(
     assert kept is not None
     rival, explained, own = kept
     told = own.without([entry.recording for entry in rival.left_out])
-    doubted = answer.verdict == "check_channels" or answer.outside
+    cleared = len(explained.prepared.findings) < len(given.findings)  # what was in doubt is told by these numbers
+    doubted = (answer.verdict == "check_channels" or answer.outside) and not cleared
     worse = ("check_channels", "unexplained") if doubted else ("check_channels",)
     if not told or rival.outside or rival.verdict in worse or not is_worth(own, explained):
         return answer
@@ -230,12 +181,13 @@ def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
     return without and replace(without, needless=own.needless)
 
 
-def _of_machine_alone(question: Question, answer: Diagnosis, given: Prepared) -> Iterator[FittedModel]:
-    """Yield the model that was found, then with each of the entries that come nearest to what it leaves, fitted to all
-    recordings: a number of a recording's own has seen a part of that recording, too, held out or not. What has such
-    numbers itself, as a drift that began at another time in each, is no plainer.
+def _of_machine_alone(question: Question, answer: Diagnosis, last: FittedModel) -> Iterator[FittedModel]:
+    """Yield the `last` model, that of an answer, then with each of the entries that come nearest to what it leaves,
+    fitted to all recordings: a number of a recording's own has seen a part of that recording, too, held out or not.
+    What has such numbers itself, as a drift that began at another time in each, is no plainer.
     """
-    found, names, least = answer.model, [term.name for term in answer.model.terms], question.rules.worth_telling
+    found, given, least = last.model, last.prepared, question.rules.worth_telling
+    names = [term.name for term in found.terms]
     own = {effect.id: effect for effect in question.entries(given)}  # the model alone does not know these
     near = [
         (suspect, own.get(suspect.effect) or found.find_effect(suspect.effect))

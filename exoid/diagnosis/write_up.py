@@ -102,7 +102,8 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
         score = extension.added
         assert score is not None
         term = next(item for item in last.fitted.model.terms if item.name == score.name)
-        numbers = estimates_in(last.fitted.fit, term.name)
+        numbers, share = estimates_in(last.fitted.fit, term.name), before.explained(extension, rules)
+        known = any(e.low > 0.0 or e.high < 0.0 for name, e in numbers.items() if name in term.effect.coefficients)
         accepted.append(
             Accepted(
                 effect=term.effect.id,
@@ -115,7 +116,8 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
                 rms_after=extension.fitted.evaluation_rms,
                 sentence=sentence_of(term, numbers),
                 left=float(times[list(score.candidate.joints)].max()),
-                share=before.explained(extension, rules),
+                share=share,
+                doubted=share <= 0.0 and not known,
             )
         )
     return tuple(accepted)

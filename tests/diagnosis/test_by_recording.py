@@ -10,7 +10,6 @@ import pytest
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.hypotheses import claims_of
-from exoid.diagnosis.own_numbers.compared import predicts_better
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import with_numbers
@@ -21,7 +20,6 @@ from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.logged import Logged
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.preparation.clocks import on_one_clock
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
@@ -456,24 +454,3 @@ def test_one_torque_that_comes_late_is_its_clock_and_no_delay(held):
     found = discover(AXIS, [*runs[:held], *runs[held + 1 :]], runs[held])
     assert found.verdict == "adequate" and not found.accepted
     assert told(found) == {"clock_offset": pytest.approx({"run_2": 0.015}, abs=0.002)}
-
-
-def test_models_are_compared_in_the_same_blocks_where_another_clock_finds_other_strides():
-    t = np.arange(0.0, 15.0, 0.01)
-    swing = 0.8 * np.sin(5.65 * t) + 0.2 * np.sin(11.3 * t + 1.0)
-    once, then = (
-        fitted_model(identify(AXIS, made.train, optimisers=()), made)
-        for made in (
-            prepare(AXIS, [on_one_clock(replace(drive(0), q=swing[:, None]), rate=rate)]) for rate in (0.0, 0.002)
-        )
-    )
-    first, second = (model.prepared.all[0].starts(RULES.block_seconds) for model in (once, then))
-    assert len(first) != len(second)
-    assert not predicts_better(once, then, RULES) and not predicts_better(then, once, RULES)
-
-
-def test_how_far_a_clock_is_known_is_that_of_the_torque_read_by_it():
-    made = prepare(AXIS, [late(drive(k), 0.015 if k == 2 else 0.0) for k in range(3)])
-    first, second, third = made.clock_rates
-    for clock, seconds in ((first, 0.0), (second, 0.0), (third, 0.015)):
-        assert abs(clock.late - seconds) < 4.0 * clock.late_error < 2e-3

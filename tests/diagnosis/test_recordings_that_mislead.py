@@ -46,11 +46,10 @@ def test_two_clocks_are_said_and_nothing_is_named(share):
     assert 0.3 < said.value / share < 1.5
     assert ("faster" if share > 0 else "slower") in said.what
     answer = discover(Model(), given[:3], given[3:])
-    assert answer.verdict in ("adequate", "check_channels") and not answer.accepted and "clock" in answer.sentence
-    assert "are the limit" not in answer.stopped_because and "one step" not in answer.stopped_because
+    assert answer.verdict == "adequate" and not answer.accepted and "clock" in answer.sentence
     (told,) = (one for one in answer.of_recordings if one.what == "clock_rate")
     assert {name: one.value for name, one in told.values.items()} == pytest.approx(
-        {one.name: share for one in given}, rel=0.1
+        {one.name: share for one in given}, rel=0.02
     )
 
 
@@ -63,7 +62,9 @@ def test_torques_of_single_recordings_that_come_late_are_told():
     answer = discover(Model(), given[:3], given[3:])
     (told,) = answer.of_recordings
     assert answer.verdict == "adequate" and told.what == "clock_offset" and not answer.accepted
-    assert {name: one.value for name, one in told.values.items()} == pytest.approx({given[1].name: 0.04}, abs=0.004)
+    assert {name: one.value for name, one in told.values.items()} == pytest.approx({given[1].name: 0.04}, abs=0.0005)
+    (found,) = told.values.values()
+    assert found.low < 0.04 < found.high
 
 
 @pytest.mark.parametrize("change", [None, fast(1e-5)])

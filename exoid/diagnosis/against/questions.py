@@ -57,7 +57,7 @@ class Asked:
             return Columns(tuple(range(len(base))), base[None, :, :, [self.column]])
         assert self.claim is not None
         own = base[:, :, : len(fitted.linear)]
-        seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged)
+        seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged, float(one.t[0]))
         mixed = self.claim.pieces(seen) @ np.array([self.claim.mix(node) for node in nodes]).T
         return Columns(tuple(range(len(base))), np.moveaxis(mixed, 2, 0)[..., None])
 
@@ -93,7 +93,7 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
     is dry or viscous of a friction level is a number of the model.
     """
     model = fitted.model
-    found = [_claimed(claim) for claim in claims or claims_of(model) if not (claim.common or claim.of)]
+    found = [_claimed(claim) for claim in claims or claims_of(model) if claim.place and not (claim.common or claim.of)]
     names = [*((p.name, p.unit) for p in model.parameters), *((s.name, s.shape.unit) for s in model.shapes)]
     choices = [False] * len(model.parameters) + [bool(s.shape.choices) for s in model.shapes]
     for k, (name, unit) in enumerate(names):

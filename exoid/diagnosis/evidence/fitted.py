@@ -115,17 +115,13 @@ class FittedModel:
         return np.concatenate(parts, axis=1)
 
     def recording_losses(
-        self,
-        scale: Float,
-        rules: Rules = RULES,
-        cuts: Mapping[int, int] = MappingProxyType({}),
-        blocks_of: Prepared | None = None,
+        self, scale: Float, rules: Rules = RULES, cuts: Mapping[int, int] = MappingProxyType({})
     ) -> list[Float]:
         """Return the loss in blocks of each recording, all joints together; of those that are cut at a sample, in
-        blocks of what comes before it and after it. `blocks_of` has the recordings whose blocks these are.
+        blocks of what comes before it and after it.
         """
-        out, every = [], (blocks_of or self.prepared).all
-        for k, (loss, item) in enumerate(zip(self._losses(scale, rules), every, strict=True)):
+        out = []
+        for k, (loss, item) in enumerate(zip(self._losses(scale, rules), self.prepared.all, strict=True)):
             cut = cuts.get(k, 0)
             for first, last in ((0, cut), (cut, loss.shape[1])) if cut else ((0, loss.shape[1]),):
                 starts = starts_within(item.starts(rules.block_seconds), first, last)

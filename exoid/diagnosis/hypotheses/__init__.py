@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import ModuleType
 
@@ -21,11 +21,15 @@ from exoid.measurement.logged import Logged
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
+TINY = 1e-6
+"""Number by which times are moved for a derivative."""
+
 
 @dataclass(frozen=True, eq=False)
 class Seen:
     """A model on one recording: its `columns` (J, K, P) at its `linear` numbers (P,), its `torque` (J, K) N·m, at the
-    times `t` (K,) s; filtered like the measured torque, or before the filter. `logged` are further columns.
+    times `t` (K,) s; filtered like the measured torque, or before the filter. `logged` are further columns, the
+    recording `began` at so many s. `number` is that of a claim, where its pieces bend with it: 0 at first.
     """
 
     model: Model
@@ -34,6 +38,8 @@ class Seen:
     torque: Float
     t: Float
     logged: Mapping[str, Logged]
+    began: float
+    number: float = 0.0
 
 
 Node = tuple[float, ...]
@@ -68,9 +74,10 @@ class Claim:
 
     The prediction gains its number times `pieces(seen)` (J, K, m) mixed by `mix(node)` (m,), at one of the `nodes`
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
-    the model: its pieces are linear in the model's numbers. `everyone`: each recording has one of its own; `common`:
-    all have the same; otherwise those have one that differ from the others, and the same where it is `shared`. `of` is
-    what else its sentence tells.
+    the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,).
+    `everyone`: each recording has one of its own; `common`: all have the same; otherwise those have one that differ
+    from the others, and the same where it is `shared`. `of` is what else its sentence tells, `shown` the unit in which
+    it is said, and how many of these its own is.
     """
 
     what: str
@@ -80,12 +87,14 @@ class Claim:
     bounds: tuple[float, float]
     usual: float = 0.0
     factor: bool = False
+    moves: Callable[[Seen], Float] | None = None
     everyone: bool = False
     shared: bool = False
     common: bool = False
     nodes: tuple[Node, ...] = ((),)
     mix: Callable[[Node], Float] = _alone
     of: str = ""
+    shown: tuple[float, str] | None = None
 
 
 @cache
@@ -118,6 +127,20 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
         return out
 
     return pieces
+
+
+def moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
+    """Return the change (J, K, 1), per number, of a torque that is that of other times; at 0 its slope by that."""
+    from scipy.interpolate import CubicSpline
+
+    if not seen.number:
+        return np.asarray(np.gradient(seen.torque, seen.t, axis=1) * _slope(when, seen))[:, :, None]
+    at = np.clip(when(seen), seen.t[0], seen.t[-1])
+    return np.asarray(CubicSpline(seen.t, seen.torque, axis=1)(at) - seen.torque)[:, :, None] / seen.number
+
+
+def _slope(when: Callable[[Seen], Float], seen: Seen) -> Float:
+    return (when(replace(seen, number=TINY)) - seen.t) / TINY
 
 
 def each_said(values: dict[str, str]) -> str:

@@ -1,18 +1,37 @@
-"""The torques of some recordings come later or earlier than those of the others."""
+"""The torques of some recordings come later or earlier than those of the others.
+
+A delay that all have is the machine's, and an effect.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, StateColumn, each_said
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moved
 from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+LATEST = 0.3
+"""s by which torques may come late: beyond, nobody would take the files for recordings of one moment."""
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
-    """None: it shifts the motion instead of adding torque (`exoid.diagnosis.own_numbers.clocks`)."""
-    return ()
+    """Return a delay of all torques, another one in some recordings."""
+    pieces = partial(moved, _late)
+    return (Claim("clock_offset", None, "s", pieces, (-LATEST, LATEST), factor=True, moves=_late, shown=(1e3, "ms")),)
+
+
+def _late(seen: Seen) -> Float:
+    return seen.t - seen.number
 
 
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the delays {recording: words} of the torques."""
-    return f"The torques come at another time than in the other recordings: {each_said(values)}"
+    each = each_said(sides(values, "later", "earlier"))
+    return f"The torques come at another time than in the other recordings: {each}"
+
+
+def sides(values: dict[str, str], above: str, below: str) -> dict[str, str]:
+    """Return words on numbers without their sign, and `above` or `below` for it."""
+    return {name: f"{text.lstrip('-')} {below if text.startswith('-') else above}" for name, text in values.items()}

@@ -1,20 +1,34 @@
-"""The torques were logged by a clock that runs faster or slower than that of the angles."""
+"""The torques were logged by a clock that runs faster or slower than that of the angles, in all recordings or some."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, StateColumn, each_said, listed
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed, moved
+from exoid.diagnosis.hypotheses.clock_offset import sides
 from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+
+MOST = 0.05
+"""Part by which a clock may run faster: no clock is as bad."""
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
-    """None: it shifts the motion instead of adding torque (`exoid.diagnosis.own_numbers.clocks`)."""
-    return ()
+    """Return another rate of the torques' clock, the same in all recordings, and that of some."""
+    pieces = partial(moved, _fast)
+    alone = Claim("clock_rate", None, "1", pieces, (-MOST, MOST), factor=True, moves=_fast, shown=(1e2, "%"))
+    return alone, replace(alone, common=True)
+
+
+def _fast(seen: Seen) -> Float:
+    return seen.began + (seen.t - seen.began) / (1.0 - seen.number)
 
 
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the rates {recording: words} of the torques' clock."""
+    values = sides(values, "faster", "slower")
     if len(set(values.values())) == 1:
         rate = next(iter(values.values()))
         return f"The clock of the torques runs {rate} than that of the angles in {listed(values)}"

@@ -16,12 +16,20 @@ from exoid.diagnosis.own_numbers.compared import clearer, total
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of, state_columns
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
+from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.motion import Float
 
 ALIKE = 1e-9
 """Part by which the cosine between two columns may be below one where they are the same but for rounding."""
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
+
+
+def seen_before_filter(now: FittedModel, one: PreparedRecording, linear: Float, shape: Float) -> Seen:
+    """A model at `linear` numbers (P,) and a shape (S,) on a recording, at all samples of its motion."""
+    columns = now.model.columns(one.motion, shape, now.linear if now.model.needs_reference else None)
+    torque, t = now.model.torque(one.motion, linear, shape).T, one.motion.t
+    return Seen(now.model, linear, columns, torque, t, one.logged, float(t[0]))
 
 
 class Fits:
@@ -40,7 +48,8 @@ class Fits:
         self.linear = now.linear
         self.torques = [now.torque(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, state_columns(now))
-        pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
+        self.seen = [self._seen(k) for k in range(len(self.blocks))]
+        pieces = [[claim.pieces(seen) for claim in self.claims] for seen in self.seen]
         same = [k for k, claim in enumerate(self.claims) if claim.everyone]
         self.count = self.blocks[0].columns.shape[2] + len(same)
         self.prior = np.concatenate([evidence.prior, np.zeros(len(same))])
@@ -114,28 +123,45 @@ class Fits:
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
         torque = self.torques[k] + columns @ (self.linear - now.linear)
         recording = now.prepared.all[k]
-        return Seen(now.model, self.linear, columns, torque, recording.t, recording.logged)
+        began = float(recording.motion.t[0])
+        return Seen(now.model, self.linear, columns, torque, recording.t, recording.logged, began)
 
-    def _place_factors(self, linear: Float) -> None:
-        """Have what multiplies a torque of the model do so at other numbers (P,) of the model."""
-        self.linear = linear
+    def _place_factors(self, state: State, step: Float) -> None:
+        """Have what multiplies a torque of the model do so at numbers (Q,) of the model and of the state."""
+        self.linear = self.now.linear + step[: len(self.linear)]
+        self.seen = [self._seen(k) for k in range(len(self.blocks))]
+        groups = [(held.claim, group) for held in state for group in held.groups]
         factors = [claim for claim in self.claims if claim.factor]
-        for rows, part, use in zip(self.rows, self.parts, self.use, strict=True):
-            seen = self._seen(part.recording)
+        for j, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
+            own = zip(groups, step[self.count :], strict=True)
+            numbers = {claim: float(np.clip(x, *claim.bounds)) for (claim, group), x in own if j in group}
             for claim in factors:
-                rows[:, :, self.place[claim]] = claim.pieces(seen)[:, part.kept] * use[:, :, None]
+                pieces = self._pieces(claim, part.recording, numbers.get(claim, 0.0))
+                rows[:, :, self.place[claim]] = pieces[:, part.kept] * use[:, :, None]
+
+    def _pieces(self, claim: Claim, k: int, number: float, alone: int | None = None) -> Float:
+        """Pieces (J, K, m) of a claim on a recording, where its number is known already; of one number `alone` of the
+        model. What moves a torque in time does so before the filter, which bridges samples where they are.
+        """
+        seen, recording = self.seen[k], self.now.prepared.all[k]
+        early = claim.moves is not None and number != 0.0
+        if early:
+            seen = seen_before_filter(self.now, recording, self.linear, self.now.shapes[k])
+        if alone is not None:
+            seen = replace(seen, linear=np.eye(len(self.linear))[alone], torque=seen.columns[:, :, alone])
+        pieces = claim.pieces(replace(seen, number=number))
+        return recording.smooth_columns(pieces) if early else pieces
 
     def slopes(self, state: State, numbers: Float) -> list[Float]:
         """Derivatives (J, K, P) of what `state` adds to each part by the model's numbers, at its own `numbers` (C,)."""
         out = []
         groups = [(held, group) for held in state for group in held.groups]
         for j, (part, use) in enumerate(zip(self.parts, self.use, strict=True)):
-            seen = self._seen(part.recording)
             slope = np.zeros((*use.shape, len(self.linear)))
-            for (held, group), number in zip(groups, numbers, strict=True):
+            for (held, group), number in zip(groups, numbers.tolist(), strict=True):
                 for p in range(len(self.linear)) if held.claim.factor and j in group else ():
-                    alone = replace(seen, linear=np.eye(len(self.linear))[p], torque=seen.columns[:, :, p])
-                    slope[:, :, p] += number * held.claim.pieces(alone)[:, part.kept, 0] * use
+                    pieces = self._pieces(held.claim, part.recording, number, p)
+                    slope[:, :, p] += number * pieces[:, part.kept, 0] * use
             out.append(slope)
         return out
 
@@ -166,7 +192,7 @@ class Fits:
             self.grams = np.array(out)
             if state:
                 step = self.together(state)
-                self._place_factors(self.now.linear + step[: len(self.linear)])
+                self._place_factors(state, step)
                 left = self.left_by(state, [step] * 2)
         return self.grams
 

@@ -12,6 +12,7 @@ from statistics import NormalDist
 
 import numpy as np
 
+from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.own_numbers.changes import changes_of, sharpened
 from exoid.diagnosis.own_numbers.compared import clearer, total
@@ -83,9 +84,11 @@ class _Search:
 
     def __init__(self, fits: Fits) -> None:
         self.fits, self.rules, self.many = fits, fits.rules, len(fits.parts)
+        little = bool(little_motion(fits.now.prepared, self.rules))  # all but zeros looks as real there as any effect
+        self.claims = [claim for claim in fits.claims if claim.everyone or not little]
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
-        questions = sum(1 if claim.everyone or claim.common else self.many for claim in fits.claims)
+        questions = sum(1 if claim.everyone or claim.common else self.many for claim in self.claims)
         self.clear, self.clear_too = (
             max(self.rules.clear, NormalDist().inv_cdf(1.0 - self.rules.strict_level / asked))
             for asked in (questions, self.many)
@@ -123,7 +126,7 @@ class _Search:
         """
         while True:
             before = state
-            for claim in self.fits.claims:
+            for claim in self.claims:
                 own = Claimed(claim, claim.nodes[0], self.fits.everyone)
                 held = any(item.claim is claim for item in state)
                 if not claim.everyone or held:
@@ -158,16 +161,17 @@ class _Search:
     def _common(self, state: State) -> list[Claimed]:
         """The claims that are not held of which all recordings have the same number, where that can be."""
         taken = {held.claim for held in state}
-        free = [claim for claim in self.fits.claims if claim.common and claim not in taken]
+        free = [claim for claim in self.claims if claim.common and claim not in taken]
         held = [Claimed(claim, claim.nodes[0], self.all) for claim in free]
-        return [item for item in held if np.isfinite(self.fits.loss((*state, item)))]
+        most = (1.0 - self.rules.least_share) * self.fits.loss(state) if held else 0.0
+        return [item for item in held if self.fits.loss((*state, item)) <= most]
 
     def _promising(self, state: State) -> list[Claimed]:
         """The most promising recording and node of every claim that is not held, the best few."""
         taken = {held.claim for held in state}
         if self.many < 2:
             return []
-        free = [item for item in self.fits.claims if not (item.everyone or item.common or item in taken)]
+        free = [item for item in self.claims if not (item.everyone or item.common or item in taken)]
         nodes = [(claim, node) for claim in free for node in claim.nodes]
         if not nodes:
             return []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Node, Seen, sentence_on
-from exoid.diagnosis.own_numbers.fits import Fits
+from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State
 from exoid.diagnosis.rules import Rules
 from exoid.ground.minimum import minimum
@@ -21,6 +21,7 @@ from exoid.ground.ties import least_of
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.linear.uncertainty import covariance
+from exoid.optimisation.preparation.clocks import CLOCKS, clock_findings
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
@@ -127,35 +128,51 @@ class OwnNumbers:
         """
         train = tuple(self._applied(recording, unseen=False) for recording in prepared.train)
         verify = tuple(self._applied(recording, unseen=True) for recording in prepared.verify)
-        return replace(prepared, train=train, verify=verify)
+        findings = prepared.findings
+        if any(finding.check == CLOCKS for finding in findings):  # clocks that were put right are another's no longer
+            others = (finding for finding in findings if finding.check != CLOCKS)
+            findings = (*others, *clock_findings(self.now.model.base(), (*train, *verify)))
+        return replace(prepared, train=train, verify=verify, findings=findings)
 
     def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
         names = [known.name for known in self.now.prepared.all]
         if one.name not in names:
             return one
         known, t = np.zeros(one.wide_tau.shape), one.motion.t
+        lost = np.zeros(one.hidden.shape, dtype=bool)
         for j, part in enumerate(self.parts):
             whole = self.now.prepared.all[part.recording]
             if whole.name != one.name or not any(j in group for held in self.held for group in held.groups):
                 continue
             inside = part.share(t, self.now.prepared)
             early = t < whole.t[(part.start + part.stop) // 2]
-            columns = self.columns(one, j)
+            seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[part.recording])
             both = self.judged[j] if unseen else [self.numbers, self.numbers]
             for half, numbers in zip((inside * early, inside * ~early), both, strict=True):
-                known += half[:, None] * (columns @ numbers).T
-        return one.beside_own(known) if known.any() else one
+                known += half[:, None] * self._added(seen, j, numbers).T
+                for when, number in self._moving(j, numbers):  # where a drive stuck, it did so at other times
+                    at = np.searchsorted(t, when(replace(seen, number=number))).clip(0, len(t) - 1)
+                    lost |= one.stuck[at] & (half > 0.0)[:, None]
+        return one.beside_own(known, lost) if known.any() else one
 
-    def columns(self, one: PreparedRecording, j: int) -> Float:
-        """Torque (J, N, C) that belongs to a part of a recording where each number is one, before the filter."""
-        model, linear, shape = self.now.model, self.linear, self.now.shapes[self.parts[j].recording]
-        columns = model.columns(one.motion, shape, self.now.linear if model.needs_reference else None)
-        seen = Seen(model, linear, columns, model.torque(one.motion, linear, shape).T, one.motion.t, one.logged)
-        out = []
-        for held in self.held:
-            column = held.claim.pieces(seen) @ held.claim.mix(held.node)
-            out += [column * (j in group) for group in held.groups]
-        return np.stack(out, axis=2)
+    def torque(self, one: PreparedRecording, j: int) -> Float:
+        """Torque (J, N) that belongs to a part of a recording, before the filter."""
+        shape = self.now.shapes[self.parts[j].recording]
+        return self._added(seen_before_filter(self.now, one, self.linear, shape), j, self.numbers)
+
+    def _moving(self, j: int, numbers: Float) -> Iterator[tuple[Callable[[Seen], Float], float]]:
+        groups = [(held.claim.moves, group) for held in self.held for group in held.groups]
+        for (moves, group), number in zip(groups, numbers.tolist(), strict=True):
+            if moves is not None and j in group:
+                yield moves, number
+
+    def _added(self, seen: Seen, j: int, numbers: Float) -> Float:
+        added = np.zeros(seen.torque.shape)
+        groups = [(held, group) for held in self.held for group in held.groups]
+        for (held, group), number in zip(groups, numbers.tolist(), strict=True):
+            if j in group:
+                added += number * (held.claim.pieces(replace(seen, number=number)) @ held.claim.mix(held.node))
+        return added
 
     def agrees(self, other: OwnNumbers) -> bool:
         """True if another look finds the same in the same recordings, within its intervals."""
@@ -199,7 +216,7 @@ def _cut(fits: Fits, own: OwnNumbers, step: Float, part: Part) -> float | None:
     rows = np.concatenate([fits.rows[before], fits.rows[after]], axis=1)
     use = np.concatenate([fits.use[before], fits.use[after]], axis=1)
     left = rows @ fits.chosen(own.held)[before] @ np.append(-step, 1.0)
-    change = (own.columns(recording, after) - own.columns(recording, before)) @ own.numbers
+    change = own.torque(recording, after) - own.torque(recording, before)
     late, t = own.parts[after], recording.motion.t
 
     def loss(at: float) -> float:
@@ -303,7 +320,7 @@ def _told(
                 spans[name] = part.span(prepared)
     out = []
     for values, spans in told.values():
-        said = {name: _said(values[name]) for name in sorted(values)}
+        said = {name: _said(values[name], claim.shown) for name in sorted(values)}
         where = "" if place is None else f" at {_said(place)}{_in_space(held.node, spread.width[spread.places[claim]])}"
         sentence = sentence_on(claim, said, where, _when(spans))
         ordered = {name: values[name] for name in said}
@@ -332,9 +349,10 @@ def _when(spans: Mapping[str, Span]) -> str:
     return f"From {' to '.join(ends)} s on" if late else f"Until {' to '.join(ends)} s"
 
 
-def _said(one: Estimate) -> str:
-    """Words such as "0.91 ± 0.02 N·m"."""
-    half = 0.5 * (one.high - one.low)
+def _said(one: Estimate, shown: tuple[float, str] | None = None) -> str:
+    """Words such as "0.91 ± 0.02 N·m"; in the unit that is `shown`, of which one of its own is so many."""
+    times, called = shown or (1.0, one.unit)
+    value, half = times * one.value, 0.5 * times * (one.high - one.low)
     digits = max(0, 1 - int(np.floor(np.log10(half)))) if half > 0.0 and np.isfinite(half) else 3
-    unit = "" if one.unit == "1" else f" {one.unit}"
-    return f"{one.value:.{digits}f} ± {half:.2g}{unit}"
+    unit = "" if called == "1" else f" {called}"
+    return f"{value:.{digits}f} ± {half:.2g}{unit}"

@@ -13,9 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.ground.thresholds import Threshold
-from exoid.ground.ties import least_of
 from exoid.measurement.finding import EVERY, Finding
-from exoid.measurement.recording import Recording
 from exoid.measurement.signals.conditioning import low_pass
 from exoid.optimisation.linear.loss import Bool
 from exoid.optimisation.preparation.filtering import PreparedRecording
@@ -45,7 +43,7 @@ BAND = 3.0
 class ClockRate:
     """Excess speed of the torques' clock in one recording (`rate`, 0.002 is 0.2 %) with its standard `error`; the
     `share` that it explains of what is left, and how long the recording is. `late` is by how many s the torques come
-    late in its middle, likewise.
+    late in its middle.
     """
 
     name: str
@@ -54,20 +52,15 @@ class ClockRate:
     share: float
     seconds: float
     late: float = 0.0
-    late_error: float = np.inf
-    late_share: float = 0.0
 
 
-def clock_rates(
-    base: Model, prepared: Sequence[PreparedRecording], shape: Float | None = None, linear: Float | None = None
-) -> tuple[ClockRate, ...]:
-    """Clock rates of the torques in every recording that tells them, beside a model at a `shape` (S,); of one that
-    feeds torques back, at `linear` numbers (P,).
+def clock_findings(base: Model, prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
+    """A warning for each clock of torques that runs at another rate than the angles'.
 
     Friction that reverses late is a spike beside the model, and tells the clock; other spikes only add noise.
     """
-    found = (clock_rate(base, _with_spikes(recording), shape, linear) for recording in prepared)
-    return tuple(rate for rate in found if rate is not None)
+    found = (clock_rate(base, _with_spikes(recording)) for recording in prepared)
+    return tuple(map(_finding, clocks_apart([rate for rate in found if rate is not None])))
 
 
 def clocks_apart(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
@@ -79,49 +72,6 @@ def clocks_apart(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
     together, alone = _together(rates), tuple(item for item in rates if len(rates) > 1 and _is_apart(item, 1))
     alike = alone and all(abs(item.rate - together.rate) <= ALIKE * item.error for item in rates)
     return (together,) if alike or _is_apart(together, len(rates)) else alone
-
-
-def clock_findings(clocks: Sequence[ClockRate]) -> tuple[Finding, ...]:
-    """A warning for each clock that runs at another rate."""
-    return tuple(_finding(clock) for clock in clocks)
-
-
-def late_clocks(rates: Sequence[ClockRate]) -> tuple[ClockRate, ...]:
-    """Clocks of recordings whose torques come later than those of the one that is least late, by `late`, or earlier.
-
-    A delay that all have is the machine's, and an effect.
-    """
-    if not rates:
-        return ()
-    usual = least_of(rates, lambda clock: abs(clock.late), 1.0)
-    out = []
-    for clock in rates:
-        late, error = clock.late - usual.late, float(np.hypot(clock.late_error, usual.late_error))
-        told = replace(clock, rate=0.0, late=late, late_error=error)
-        if clock is not usual and clock.late_share >= SHARE and abs(late) >= APART and _no_chance(late, error, 1):
-            out.append(told)
-    return tuple(out)
-
-
-def on_one_clock(one: Recording, *, rate: float = 0.0, late: float = 0.0) -> Recording:
-    """The recording with its motion read when its torques were measured, whose clock runs faster by `rate`, and that
-    come `late` by so many s. Where both clocks do not start together, a delay is left.
-
-    Torques stay as they were measured: what is predicted from the motion is compared with the same samples.
-    """
-    from scipy.interpolate import CubicSpline
-
-    at = np.clip(one.t[0] + (one.t - one.t[0]) / (1.0 - rate) - late, one.t[0], one.t[-1])
-    nearest = np.rint(np.interp(at, one.t, np.arange(len(one)))).astype(int)
-
-    def read(values: Float | None) -> Float | None:
-        return None if values is None else np.asarray(CubicSpline(one.t, values)(at))
-
-    q = read(one.q)
-    assert q is not None
-    return replace(
-        one, q=q, dq=read(one.dq), ddq=read(one.ddq), base=read(one.base), angle_valid=one.angle_valid[nearest]
-    )
 
 
 def _with_spikes(one: PreparedRecording) -> PreparedRecording:
@@ -163,9 +113,7 @@ def _finding(one: ClockRate) -> Finding:
     return Finding(CLOCKS, "warning", what, one.name, one.rate, None, remedy, consequence, "likely")
 
 
-def clock_rate(
-    base: Model, one: PreparedRecording, shape: Float | None = None, linear: Float | None = None
-) -> ClockRate | None:
+def clock_rate(base: Model, one: PreparedRecording) -> ClockRate | None:
     """Clock rate of one recording; None where it is too short, or nothing is driven.
 
     Where the clocks come far apart a derivative is not enough: the torque is read at the rate found so far, and again.
@@ -174,7 +122,7 @@ def clock_rate(
     motion, use = one.motion, one.used & one.driven[:, None]
     if use.sum() < LEAST_SAMPLES:
         return None
-    own = _own_columns(one, base.columns(motion, shape, linear if base.needs_reference else None))
+    own = _own_columns(one, base.columns(motion))
     middle = 0.5 * float(motion.t[0] + motion.t[-1])
     found = ClockRate(one.name, 0.0, np.inf, 0.0, 0.0)
     for number in range(STEPS):
@@ -182,18 +130,16 @@ def clock_rate(
         torque = np.column_stack([np.interp(at, motion.t, column) for column in one.wide_tau.T])
         if (step := _step(one, own, torque, use)) is None:
             return None
-        share, late_share = (found.share, found.late_share) if number else (step.share, step.late_share)
         rate, late = found.rate + step.rate, found.late + step.late
         if abs(rate) > MOST or abs(late) > LATEST:
             return None
-        found = replace(step, rate=rate, late=late, share=share, late_share=late_share)
-        known = abs(step.rate) < step.error and abs(step.late) < step.late_error
-        if known or max(share, late_share) < SHARE:  # of no use to anybody, however far it is off
+        found = replace(step, rate=rate, late=late, share=found.share if number else step.share)
+        # One that explains too little is of no use to anybody, however far it is off.
+        if abs(step.rate) < step.error or found.share < SHARE:
             return found
     # What the last step still changed is not known either.
     assert step is not None
-    error, late_error = float(np.hypot(step.error, step.rate)), float(np.hypot(step.late_error, step.late))
-    return replace(found, error=error, late_error=late_error)
+    return replace(found, error=float(np.hypot(step.error, step.rate)))
 
 
 def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> ClockRate | None:
@@ -217,16 +163,13 @@ def _step(one: PreparedRecording, own: Float, torque: Float, use: Bool) -> Clock
     inverse = np.linalg.pinv(np.concatenate([gram[None], gram - grams]), rcond=1e-10, hermitian=True)
     numbers = (inverse @ np.concatenate([product[None], product - products])[..., None])[..., 0]
     left = max(square - float(product @ numbers[0]), 0.0)
-    gains = numbers[0, -2:] ** 2 / np.maximum(np.diagonal(inverse[0])[-2:], 1e-300)
+    gain = float(numbers[0, -1] ** 2 / max(inverse[0, -1, -1], 1e-300))
     (early, rate), *each = numbers[:, -2:] / scale[-2:]
-    late_error, error = np.sqrt((GROUPS - 1) * np.var(each, axis=0))
-    if not min(error, late_error) > 0.0 or not left + gains.min() > 0.0:
+    error = float(np.sqrt((GROUPS - 1) * np.var([rate for _, rate in each])))
+    if not error > 0.0 or not left + gain > 0.0:
         return None
-    late_share, share = gains / (left + gains)
     seconds = float(one.motion.t[-1] - one.motion.t[0])
-    return ClockRate(
-        one.name, float(rate), float(error), float(share), seconds, -float(early), float(late_error), float(late_share)
-    )
+    return ClockRate(one.name, float(rate), error, gain / (left + gain), seconds, -float(early))
 
 
 def _own_columns(one: PreparedRecording, columns: Float) -> Float:

@@ -29,7 +29,7 @@ from exoid.measurement.recording import Recording, base_columns
 from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
 from exoid.measurement.signals.derivatives import check_method
 from exoid.measurement.signals.methods import BUTTERWORTH
-from exoid.optimisation.preparation.clocks import ClockRate, clock_findings, clock_rates, clocks_apart
+from exoid.optimisation.preparation.clocks import clock_findings
 from exoid.optimisation.preparation.cutoff import (
     COMMON_BAND,
     CutoffChoice,
@@ -65,8 +65,7 @@ class Prepared:
 
     `misread` are those of the `findings` that say in which convention (`--convention`) or unit the recordings are.
     `noise_floor` (J,) N·m is what no model can get below: noise of the torque, of the angles, and `filter_error` (J,),
-    what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations, `clocks` are
-    those of torques that run at another rate than the angles', `clock_rates` what every recording tells of its own.
+    what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations.
     """
 
     train: tuple[PreparedRecording, ...]
@@ -79,8 +78,6 @@ class Prepared:
     derivative: str = BUTTERWORTH
     misread: tuple[Finding, ...] = ()
     joints: tuple[Joint, ...] = LEG
-    clocks: tuple[ClockRate, ...] = ()
-    clock_rates: tuple[ClockRate, ...] = ()
 
     @property
     def all(self) -> tuple[PreparedRecording, ...]:
@@ -156,8 +153,6 @@ def prepare(
     misread = misread or check_scales(recordings) or check_masses(recordings, model.joints, model.pull)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
-    rates = () if misread else clock_rates(base, done)
-    clocks = () if misread else clocks_apart(rates)
     wrong = np.sqrt(mean_square(torque_of_filter(base, beta, done), done))
     return Prepared(
         train=tuple(done[:count]),
@@ -170,14 +165,12 @@ def prepare(
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
         findings=(
             *known, *swayed, *unused, *doubled, *(f for f in misread if f not in known), *outliers,
-            *clock_findings(clocks),
+            *(() if misread else clock_findings(base, done)),
             *smoothed_findings(called, even, model.joints),
         ),
         derivative=derivative,
         misread=misread,
         joints=model.joints,
-        clocks=clocks,
-        clock_rates=rates,
     )
 
 
