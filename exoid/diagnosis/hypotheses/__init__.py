@@ -131,10 +131,10 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
 
 def moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
     """Return the change (J, K, 1), per number, of a torque that is that of other times; at 0 its slope by that."""
-    from scipy.interpolate import CubicSpline
-
     if not seen.number:
         return np.asarray(np.gradient(seen.torque, seen.t, axis=1) * _slope(when, seen))[:, :, None]
+    from scipy.interpolate import CubicSpline
+
     at = np.clip(when(seen), seen.t[0], seen.t[-1])
     return np.asarray(CubicSpline(seen.t, seen.torque, axis=1)(at) - seen.torque)[:, :, None] / seen.number
 
