@@ -126,7 +126,7 @@ def _beside_own(
 
     def is_worth(own: OwnNumbers, beside: FittedModel) -> bool:
         """True if they predict clearly better, beside an effect of the machine that explains nearly as much, too."""
-        if own_too and predicts_better(beside, whole, rules):
+        if own_too and explained_by(last, beside) < rules.practically * explained_by(last, whole):
             return False
         least = rules.most * explained_by(last, beside)
         return predicts_better(last, beside, rules, own.cuts) and all(
@@ -157,10 +157,10 @@ def _beside_own(
     assert kept is not None
     rival, explained, own = kept
     told = own.without([entry.recording for entry in rival.left_out])
-    cleared = len(explained.prepared.findings) < len(given.findings)  # what was in doubt is told by these numbers
-    doubted = (answer.verdict == "check_channels" or answer.outside) and not cleared
-    worse = ("check_channels", "unexplained") if doubted else ("check_channels",)
-    if not told or rival.outside or rival.verdict in worse or not is_worth(own, explained):
+    doubted = answer.verdict == "check_channels" or answer.outside
+    worse = rival.verdict == "check_channels" or rival.outside
+    worse |= doubted and (rival.verdict == "unexplained" or rival.error is not None)
+    if not told or worse or not is_worth(own, explained):
         return answer
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
         return answer  # what is another machine's is explained by no such number, or by as many as a machine has

@@ -22,7 +22,6 @@ from exoid.diagnosis.evidence.timing import late_torque
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.measurement.finding import Finding
 from exoid.measurement.stance import UPWARDS
-from exoid.optimisation.preparation.clocks import CLOCKS
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.smoothed import FILTERED
 from exoid.symbolic.joints import machine_word
@@ -56,27 +55,19 @@ def _untared(base: FittedModel) -> Doubt | None:
     """Recordings that have a measured force that is not zero while the foot is in the air: its load of every
     joint, which is not there, resembles a spring.
     """
-    if UPWARDS not in base.model.channels:
+    found = [finding for finding in base.prepared.findings if finding.check == TARED]
+    if UPWARDS not in base.model.channels or not found:
         return None
-    return _found(base, TARED, f"{UPWARDS} is not zero while the foot is in the air", "A force was not tared")
-
-
-def _found(base: FittedModel, check: str, rule: str, what: str) -> Doubt | None:
-    """Doubt about what a check of the recordings found; None where it found nothing."""
-    found = [finding for finding in base.prepared.findings if finding.check == check]
     where = "; ".join(f"{item.where}: {item.what}" for item in found)
     remedies = "; ".join(dict.fromkeys(item.remedy for item in found))
-    return Doubt(rule, f"{what}: {where}.", remedies) if found else None
+    rule = f"{UPWARDS} is not zero while the foot is in the air"
+    return Doubt(rule, f"A force was not tared: {where}.", remedies)
 
 
-def doubts_of_recordings(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
-    """Doubt about the recordings whatever the machine is, asked before anything outside is looked for; None without."""
-    rule = "what the rigid machine leaves of the torques is their own derivative, more and more so"
-    return _found(base, CLOCKS, rule, "Two clocks") or _filtered_angles(base, rules)
-
-
-def _filtered_angles(base: FittedModel, rules: Rules) -> Doubt | None:
-    """Doubt where angles were filtered, the torques not, and the model leaves what that may have taken away."""
+def filtered_angles(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
+    """Doubt where angles were filtered, the torques not, and the model leaves what that may have taken away; asked
+    before anything outside is looked for.
+    """
     prepared = base.prepared
     if not prepared.angles_were_filtered or np.all(base.evaluation_rms <= rules.near_noise * prepared.noise_floor):
         return None

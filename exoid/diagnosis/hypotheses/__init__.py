@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from types import ModuleType
 
 import numpy as np
@@ -74,7 +74,8 @@ class Claim:
 
     The prediction gains its number times `pieces(seen)` (J, K, m) mixed by `mix(node)` (m,), at one of the `nodes`
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
-    the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,).
+    the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,),
+    and the last piece is added whatever its number.
     `everyone`: each recording has one of its own; `common`: all have the same; otherwise those have one that differ
     from the others, and the same where it is `shared`. `of` is what else its sentence tells, `shown` the unit in which
     it is said, and how many of these its own is.
@@ -129,18 +130,29 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
     return pieces
 
 
-def moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
-    """Return the change (J, K, 1), per number, of a torque that is that of other times; at 0 its slope by that."""
+def moving(
+    what: str, unit: str, when: Callable[[Seen], Float], most: float, shown: tuple[float, str], *, common: bool = False
+) -> Claim:
+    """Claim that all torques are those of other times (K,), by a number of at most `most`."""
+    pieces, bounds = partial(_moved, when), (-most, most)
+    return Claim(what, None, unit, pieces, bounds, factor=True, moves=when, common=common, mix=_first, shown=shown)
+
+
+def _first(at: Node) -> Float:
+    return np.array([1.0, 0.0])
+
+
+def _moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
+    """Return by what the torque changes with the number, at that known already, and what that change lacks so far."""
+    slope = (when(replace(seen, number=seen.number + TINY)) - when(seen)) / TINY
     if not seen.number:
-        return np.asarray(np.gradient(seen.torque, seen.t, axis=1) * _slope(when, seen))[:, :, None]
+        rises = np.gradient(seen.torque, seen.t, axis=1) * slope
+        return np.stack([rises, np.zeros(rises.shape)], axis=2)
     from scipy.interpolate import CubicSpline
 
-    at = np.clip(when(seen), seen.t[0], seen.t[-1])
-    return np.asarray(CubicSpline(seen.t, seen.torque, axis=1)(at) - seen.torque)[:, :, None] / seen.number
-
-
-def _slope(when: Callable[[Seen], Float], seen: Seen) -> Float:
-    return (when(replace(seen, number=TINY)) - seen.t) / TINY
+    at, torque = np.clip(when(seen), seen.t[0], seen.t[-1]), CubicSpline(seen.t, seen.torque, axis=1)
+    rises = torque(at, 1) * slope
+    return np.stack([rises, torque(at) - seen.torque - seen.number * rises], axis=2)
 
 
 def each_said(values: dict[str, str]) -> str:

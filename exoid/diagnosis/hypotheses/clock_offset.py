@@ -6,9 +6,8 @@ A delay that all have is the machine's, and an effect.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moved
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moving
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -18,8 +17,7 @@ LATEST = 0.3
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return a delay of all torques, another one in some recordings."""
-    pieces = partial(moved, _late)
-    return (Claim("clock_offset", None, "s", pieces, (-LATEST, LATEST), factor=True, moves=_late, shown=(1e3, "ms")),)
+    return (moving("clock_offset", "s", _late, LATEST, (1e3, "ms")),)
 
 
 def _late(seen: Seen) -> Float:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed, moved
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed, moving
 from exoid.diagnosis.hypotheses.clock_offset import sides
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
@@ -17,9 +15,8 @@ MOST = 0.05
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another rate of the torques' clock, the same in all recordings, and that of some."""
-    pieces = partial(moved, _fast)
-    alone = Claim("clock_rate", None, "1", pieces, (-MOST, MOST), factor=True, moves=_fast, shown=(1e2, "%"))
-    return alone, replace(alone, common=True)
+    alone, of_all = (moving("clock_rate", "1", _fast, MOST, (1e2, "%"), common=common) for common in (False, True))
+    return alone, of_all
 
 
 def _fast(seen: Seen) -> Float:

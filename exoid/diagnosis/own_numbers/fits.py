@@ -161,7 +161,9 @@ class Fits:
             for (held, group), number in zip(groups, numbers.tolist(), strict=True):
                 for p in range(len(self.linear)) if held.claim.factor and j in group else ():
                     pieces = self._pieces(held.claim, part.recording, number, p)
-                    slope[:, :, p] += number * pieces[:, part.kept, 0] * use
+                    added = number * pieces[:, part.kept, 0]
+                    added += pieces[:, part.kept, -1] if held.claim.moves else 0.0
+                    slope[:, :, p] += added * use
             out.append(slope)
         return out
 
@@ -174,6 +176,8 @@ class Fits:
         out[:, : self.count, : self.count] = np.diag(free)
         for c, (held, group) in enumerate(groups, self.count):
             out[list(group), self.place[held.claim], c] = held.claim.mix(held.node)
+            if held.claim.moves:
+                out[list(group), self.place[held.claim].stop - 1, -1] = -1.0
         out[:, -1, -1] = 1.0
         return out
 

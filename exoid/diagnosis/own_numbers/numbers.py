@@ -19,9 +19,8 @@ from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import least_of
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.linear.loss import huber_terms
+from exoid.optimisation.linear.loss import Bool, huber_terms
 from exoid.optimisation.linear.uncertainty import covariance
-from exoid.optimisation.preparation.clocks import CLOCKS, clock_findings
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
@@ -128,16 +127,14 @@ class OwnNumbers:
         """
         train = tuple(self._applied(recording, unseen=False) for recording in prepared.train)
         verify = tuple(self._applied(recording, unseen=True) for recording in prepared.verify)
-        findings = prepared.findings
-        if any(finding.check == CLOCKS for finding in findings):  # clocks that were put right are another's no longer
-            others = (finding for finding in findings if finding.check != CLOCKS)
-            findings = (*others, *clock_findings(self.now.model.base(), (*train, *verify)))
-        return replace(prepared, train=train, verify=verify, findings=findings)
+        return replace(prepared, train=train, verify=verify)
 
     def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
-        names = [known.name for known in self.now.prepared.all]
-        if one.name not in names:
-            return one
+        known, lost = self._own(one, unseen=unseen)
+        return one.losing(lost).beside_own(known) if known.any() else one
+
+    def _own(self, one: PreparedRecording, *, unseen: bool) -> tuple[Float, Bool]:
+        """Torque (N, J) that belongs to a recording alone, and samples (N, J) that are lost with it."""
         known, t = np.zeros(one.wide_tau.shape), one.motion.t
         lost = np.zeros(one.hidden.shape, dtype=bool)
         for j, part in enumerate(self.parts):
@@ -153,7 +150,7 @@ class OwnNumbers:
                 for when, number in self._moving(j, numbers):  # where a drive stuck, it did so at other times
                     at = np.searchsorted(t, when(replace(seen, number=number))).clip(0, len(t) - 1)
                     lost |= one.stuck[at] & (half > 0.0)[:, None]
-        return one.beside_own(known, lost) if known.any() else one
+        return known, lost
 
     def torque(self, one: PreparedRecording, j: int) -> Float:
         """Torque (J, N) that belongs to a part of a recording, before the filter."""
@@ -171,7 +168,9 @@ class OwnNumbers:
         groups = [(held, group) for held in self.held for group in held.groups]
         for (held, group), number in zip(groups, numbers.tolist(), strict=True):
             if j in group:
-                added += number * (held.claim.pieces(replace(seen, number=number)) @ held.claim.mix(held.node))
+                pieces = held.claim.pieces(replace(seen, number=number))
+                added += number * (pieces @ held.claim.mix(held.node))
+                added += pieces[:, :, -1] if held.claim.moves else 0.0
         return added
 
     def agrees(self, other: OwnNumbers) -> bool:

@@ -134,17 +134,19 @@ class PreparedRecording:
         averaged = self.read.brief.size > 0
         return self.without(spikes_beside(self.read.tau, known, self.rate, self.read.missing, averaged=averaged))
 
-    def beside_own(self, known: Float, lost: Bool) -> PreparedRecording:
-        """Return the recording without a torque `known` (N, J) N·m that belongs to it alone and to no model, and
-        without samples (N, J) that are `lost` with that.
-        """
+    def beside_own(self, known: Float) -> PreparedRecording:
+        """Return the recording without a torque `known` (N, J) N·m that belongs to it alone and to no model."""
         read = None if self.read is None else replace(self.read, tau=self.read.tau - known)
-        if read is not None and lost.any():
-            fitted = read.fitted & ~lost[self.kept].T
-            return replace(self, read=replace(read, missing=read.missing | lost, fitted=fitted)).without(self.spikes)
         new = replace(self, torque=self.torque - self.smooth(known), wide_tau=self.wide_tau - known, read=read)
         vars(new)["_bridges"] = self._bridges  # the same samples are hidden
         return new
+
+    def losing(self, lost: Bool) -> PreparedRecording:
+        """Return the recording with samples (N, J) that are `lost` hidden, too."""
+        if self.read is None or not lost.any():
+            return self
+        read = replace(self.read, missing=self.read.missing | lost, fitted=self.read.fitted & ~lost[self.kept].T)
+        return replace(self, read=read).without(self.spikes)
 
     @property
     def lost(self) -> Bool:

@@ -29,7 +29,6 @@ from exoid.measurement.recording import Recording, base_columns
 from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
 from exoid.measurement.signals.derivatives import check_method
 from exoid.measurement.signals.methods import BUTTERWORTH
-from exoid.optimisation.preparation.clocks import clock_findings
 from exoid.optimisation.preparation.cutoff import (
     COMMON_BAND,
     CutoffChoice,
@@ -165,7 +164,6 @@ def prepare(
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
         findings=(
             *known, *swayed, *unused, *doubled, *(f for f in misread if f not in known), *outliers,
-            *(() if misread else clock_findings(base, done)),
             *smoothed_findings(called, even, model.joints),
         ),
         derivative=derivative,
