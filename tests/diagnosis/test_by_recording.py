@@ -9,7 +9,7 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
-from exoid.diagnosis.hypotheses import claims_of
+from exoid.diagnosis.hypotheses import Seen, claims_of
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import with_numbers
@@ -454,3 +454,27 @@ def test_one_torque_that_comes_late_is_its_clock_and_no_delay(held):
     found = discover(AXIS, [*runs[:held], *runs[held + 1 :]], runs[held])
     assert found.verdict == "adequate" and not found.accepted
     assert told(found) == {"clock_offset": pytest.approx({"run_2": 0.015}, abs=0.002)}
+
+
+@pytest.mark.parametrize(
+    ("what", "number", "when", "slope"),
+    [
+        ("clock_offset", 0.06, lambda t: t - 0.06, lambda t: -np.ones(len(t))),
+        ("clock_rate", -0.004, lambda t: t / 1.004, lambda t: t / 1.004**2),
+    ],
+)
+def test_torques_at_other_times_are_those_and_change_so_with_the_number(what, number, when, slope):
+    t = np.linspace(0.0, 10.0, 1001)
+    claim = next(item for item in claims_of(AXIS) if item.what == what)
+    seen = Seen(AXIS, np.zeros(4), np.zeros((1, 1001, 4)), np.sin(3.0 * t)[None], t, {}, 0.0, number)
+    at = when(t)
+    change, rest = claim.pieces(seen)[0, at >= 0.0].T
+    at, t = at[at >= 0.0], t[at >= 0.0]
+    assert number * change + rest == pytest.approx(np.sin(3.0 * at) - np.sin(3.0 * t), abs=1e-6)
+    assert change == pytest.approx(3.0 * np.cos(3.0 * at) * slope(t), abs=1e-4 * 30.0)
+
+
+def test_a_delay_that_all_recordings_have_is_the_machines():
+    runs = [late(drive(k), 0.02) for k in range(4)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert [one.effect for one in found.accepted] == ["time_delay"] and not found.of_recordings
