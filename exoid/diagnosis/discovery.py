@@ -88,7 +88,10 @@ def answer_of(
     it predicts clearly better, the answer is that beside it.
     """
     asking = _Asking(question, tick, found, time.perf_counter())
-    return _beside_own(asking, question.fitted(recordings, verify, tick, prepared), recordings, verify)
+    base = question.fitted(recordings, verify, tick, prepared)
+    answer = _of_machine(asking, base, recordings, verify)
+    rival = None if base.prepared.misread else _beside_own(asking, base, answer, recordings, verify)
+    return rival or answer
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,23 +109,18 @@ class _Asking:
 
 
 def _beside_own(
-    asking: _Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
-) -> Diagnosis:
-    """Return the answer beside what belongs to recordings, where that predicts clearly better."""
-    answer = _of_machine(asking, base, recordings, verify)
-    question, given = asking.question, base.prepared
-    rules = question.rules
-    if given.misread:
-        return answer
+    asking: _Asking, base: FittedModel, answer: Diagnosis, recordings: Sequence[Recording], verify: Sequence[Recording]
+) -> Diagnosis | None:
+    """Return an answer beside what belongs to recordings; None where that does not predict clearly better."""
+    question, given, rules = asking.question, base.prepared, asking.question.rules
     whole = _on(answer.fit, given)
     # An effect that was found and of which each recording has a number, as a delay, may be what belongs to some.
     own_too = [effect.name for effect in answer.accepted if answer.model.find_effect(effect.effect).has_own_numbers]
     last = _on(identify(answer.model.without(*own_too), given.train, optimisers=()), given) if own_too else whole
-    beside = _belonging_beside(last, rules)
-    if beside is None:
-        return answer
-    alone = beside if last.fit is base.fit else belonging_to(base, rules)
-    machines = [(explained_by(last, found), found) for found in _of_machine_alone(question, answer, last)]
+    found = _belonging_beside(last, rules)
+    if found is None:
+        return None
+    machines = [(explained_by(last, machine), machine) for machine in _of_machine_alone(question, answer, last)]
 
     def is_worth(own: OwnNumbers, beside: FittedModel) -> bool:
         """True if they predict clearly better, beside an effect of the machine that explains nearly as much, too."""
@@ -130,43 +128,47 @@ def _beside_own(
             return False
         least = rules.most * explained_by(last, beside)
         return predicts_better(last, beside, rules, own.cuts) and all(
-            share < least or predicts_better(found, own.beside(found.model, given), rules, own.cuts)
-            for share, found in machines
+            share < least or predicts_better(machine, own.beside(machine.model, given), rules, own.cuts)
+            for share, machine in machines
         )
 
-    def is_worth_asking(own: OwnNumbers) -> bool:
-        return is_worth(own, own.beside(last.model, given))
-
     # What belongs to recordings beside the model as given may be what an effect took the place of, or its trace.
-    asked = dict.fromkeys((alone, beside))
-    own = next((item for item in asked if item is not None and is_worth_asking(item)), None)
+    alone = found if last.fit is base.fit else belonging_to(base, rules)
+    asked = [own for own in dict.fromkeys((alone, found)) if own is not None]
+    own = next((own for own in asked if is_worth(own, own.beside(last.model, given))), None)
     if own is None:
-        return answer
-    kept = None
-    for _ in range(ROUNDS):
-        again, without = replace(question, own=own), own.applied(given)
-        fitted = again.fitted(recordings, verify, asking.tick, without)
-        rival = _of_machine(replace(asking, question=again), fitted, recordings, verify)
-        if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
-            break
-        kept = rival, _on(rival.fit, without), own
-        own = _belonging_beside(_on(rival.fit, given), rules) or own
-        if own.agrees(kept[2]) and not own.needless:
-            kept = *kept[:2], own
-            break
-    assert kept is not None
-    rival, explained, own = kept
+        return None
+    rival, explained, own = _with_own(asking, given, own, recordings, verify)
     told = own.without([entry.recording for entry in rival.left_out])
     doubted = answer.verdict == "check_channels" or answer.outside
     worse = rival.verdict == "check_channels" or rival.outside
     worse |= doubted and (rival.verdict == "unexplained" or rival.error is not None)
     if not told or worse or not is_worth(own, explained):
-        return answer
+        return None
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
-        return answer  # what is another machine's is explained by no such number, or by as many as a machine has
+        return None  # what is another machine's is explained by no such number, or by as many as a machine has
     caution = OTHERS_TOO if own.as_many_as(rules.half) else ""
     caution += MORE_TOO if rival.error is not None else ""
     return with_own(rival, told, base, caution)
+
+
+def _with_own(
+    asking: _Asking, given: Prepared, own: OwnNumbers, recordings: Sequence[Recording], verify: Sequence[Recording]
+) -> tuple[Diagnosis, FittedModel, OwnNumbers]:
+    """Return the answer beside numbers that belong to recordings, its model there, and these as they are beside it."""
+    kept = None
+    for _ in range(ROUNDS):
+        again, without = replace(asking.question, own=own), own.applied(given)
+        fitted = again.fitted(recordings, verify, asking.tick, without)
+        rival = _of_machine(replace(asking, question=again), fitted, recordings, verify)
+        if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
+            break
+        kept = rival, _on(rival.fit, without), own
+        own = _belonging_beside(_on(rival.fit, given), again.rules) or own
+        if own.agrees(kept[2]) and not own.needless:
+            return *kept[:2], own
+    assert kept is not None
+    return kept
 
 
 def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
