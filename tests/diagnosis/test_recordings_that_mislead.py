@@ -50,6 +50,12 @@ def test_two_clocks_are_said_and_nothing_is_named(share):
     )
 
 
+def test_a_single_recording_tells_its_clock():
+    answer = discover(Model(), [fast(0.004)(recording(0, noise=0.05))])
+    (told,) = answer.of_recordings
+    assert told.what == "clock_rate" and [one.value for one in told.values.values()] == pytest.approx([0.004], rel=0.05)
+
+
 def test_torques_of_single_recordings_that_come_late_are_told():
     def late(one):
         return replace(one, tau=np.column_stack([np.interp(one.t - 0.04, one.t, column) for column in one.tau.T]))

@@ -45,6 +45,9 @@ def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
             fits = Fits(now, rules, cuts)
             held = _Search(fits).placed(fits.moved(in_parts, then))
     own = with_numbers(fits, held) if held else None
+    if own is not None and (anew := own.with_spikes()) is not None:
+        known, fits = fits, Fits(now.on(anew), rules, fits.cuts)
+        own = with_numbers(fits, placed(fits, fits.moved(known, held)))
     while own is not None and len(own.clear) < len(own.held):
         own = with_numbers(fits, own.clear) if own.clear else None
     return own
@@ -84,8 +87,9 @@ class _Search:
 
     def __init__(self, fits: Fits) -> None:
         self.fits, self.rules, self.many = fits, fits.rules, len(fits.parts)
-        little = bool(little_motion(fits.now.prepared, self.rules))  # all but zeros looks as real there as any effect
-        self.claims = [claim for claim in fits.claims if claim.everyone or not little]
+        # On little motion what single recordings have looks as real as any effect that is not there.
+        little = bool(little_motion(fits.now.prepared, self.rules))
+        self.claims = [claim for claim in fits.claims if claim.everyone or claim.common or not little]
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
         questions = sum(1 if claim.everyone or claim.common else self.many for claim in self.claims)

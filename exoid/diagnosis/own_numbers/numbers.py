@@ -121,6 +121,16 @@ class OwnNumbers:
         without = self.applied(prepared)
         return fitted_model(identify(model, without.train, optimisers=()), without)
 
+    def with_spikes(self) -> Prepared | None:
+        """The recordings, with their spikes where torques come at other times: a friction that reverses late looks like
+        one. None where there are no such.
+        """
+        whole, count = self.now.prepared, len(self.now.prepared.train)
+        groups = [group for held in self.held if held.claim.moves for group in held.groups]
+        moved = {self.parts[j].recording for group in groups for j in group}
+        every = [item.with_spikes() if k in moved else item for k, item in enumerate(whole.all)]
+        return replace(whole, train=tuple(every[:count]), verify=tuple(every[count:])) if moved else None
+
     def applied(self, prepared: Prepared) -> Prepared:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the
         other half says.

@@ -141,6 +141,10 @@ class PreparedRecording:
         vars(new)["_bridges"] = self._bridges  # the same samples are hidden
         return new
 
+    def with_spikes(self) -> PreparedRecording:
+        """Return the recording with no spikes hidden."""
+        return self if self.read is None else self.without(np.zeros(self.hidden.shape, dtype=bool))
+
     def losing(self, lost: Bool) -> PreparedRecording:
         """Return the recording with samples (N, J) that are `lost` hidden, too."""
         if self.read is None or not lost.any():
