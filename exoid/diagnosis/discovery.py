@@ -143,6 +143,9 @@ def _beside_own(
     doubted = answer.verdict == "check_channels" or answer.outside
     worse = rival.verdict == "check_channels" or rival.outside
     worse |= doubted and (rival.verdict == "unexplained" or rival.error is not None)
+    if answer.accepted and not rival.accepted and rival.error is not None:
+        # Beside what nothing explains they take no effect's place, unless they are the main explanation.
+        worse |= explained_by(last, explained) < rules.half
     if not told or worse or not is_worth(own, explained):
         return None
     if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
