@@ -97,8 +97,8 @@ class Accepted(AsJson):
     left: float = 0.0
     share: float = 0.0
     doubted: bool = False
-    """Whether something speaks against it that is no other effect: angles that were filtered, or numbers that may be
-    nothing and do nothing."""
+    """Doubt that comes from no other effect: angles that were filtered, or numbers that may be nothing and do
+    nothing."""
 
     @property
     def fall(self) -> float:

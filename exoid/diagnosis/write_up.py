@@ -25,6 +25,7 @@ from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.doubt import around_zero
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
@@ -103,7 +104,7 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
         assert score is not None
         term = next(item for item in last.fitted.model.terms if item.name == score.name)
         numbers, share = estimates_in(last.fitted.fit, term.name), before.explained(extension, rules)
-        known = any(e.low > 0.0 or e.high < 0.0 for name, e in numbers.items() if name in term.effect.coefficients)
+        nothing = all(around_zero(e) for name, e in numbers.items() if name in term.effect.coefficients)
         accepted.append(
             Accepted(
                 effect=term.effect.id,
@@ -117,7 +118,7 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
                 sentence=sentence_of(term, numbers),
                 left=float(times[list(score.candidate.joints)].max()),
                 share=share,
-                doubted=share <= 0.0 and not known,
+                doubted=share <= 0.0 and nothing,
             )
         )
     return tuple(accepted)

@@ -57,7 +57,7 @@ class Asked:
             return Columns(tuple(range(len(base))), base[None, :, :, [self.column]])
         assert self.claim is not None
         own = base[:, :, : len(fitted.linear)]
-        seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged, float(one.t[0]))
+        seen = Seen(fitted.model, fitted.linear, own, fitted.torque_on(one), one.t, one.logged, float(one.motion.t[0]))
         mixed = self.claim.pieces(seen) @ np.array([self.claim.mix(node) for node in nodes]).T
         return Columns(tuple(range(len(base))), np.moveaxis(mixed, 2, 0)[..., None])
 

@@ -75,10 +75,9 @@ class Claim:
     The prediction gains its number times `pieces(seen)` (J, K, m) mixed by `mix(node)` (m,), at one of the `nodes`
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
     the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,),
-    and the last piece is added whatever its number.
-    `everyone`: each recording has one of its own; `common`: all have the same; otherwise those have one that differ
-    from the others, and the same where it is `shared`. `of` is what else its sentence tells, `shown` the unit in which
-    it is said, and how many of these its own is.
+    and the last piece is added whatever its number. `everyone`: each recording has one of its own; `common`: all have
+    the same; otherwise those have one that differ from the others, and the same where it is `shared`. `of` is what else
+    its sentence tells, `shown` how many of another unit its own is, in which it is said.
     """
 
     what: str
@@ -158,6 +157,11 @@ def _moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
 def each_said(values: dict[str, str]) -> str:
     """Return "run_0 0.91 ± 0.02, run_2 0.2 ± 0.02"."""
     return ", ".join(f"{name} {text}" for name, text in values.items())
+
+
+def sides(values: dict[str, str], above: str, below: str) -> dict[str, str]:
+    """Return words on numbers without their sign, and `above` or `below` for it."""
+    return {name: f"{text.lstrip('-')} {below if text.startswith('-') else above}" for name, text in values.items()}
 
 
 def listed(names: Iterable[str]) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moving
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moving, sides
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -28,8 +28,3 @@ def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the delays {recording: words} of the torques."""
     each = each_said(sides(values, "later", "earlier"))
     return f"The torques come at another time than in the other recordings: {each}"
-
-
-def sides(values: dict[str, str], above: str, below: str) -> dict[str, str]:
-    """Return words on numbers without their sign, and `above` or `below` for it."""
-    return {name: f"{text.lstrip('-')} {below if text.startswith('-') else above}" for name, text in values.items()}

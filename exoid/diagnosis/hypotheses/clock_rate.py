@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed, moving
-from exoid.diagnosis.hypotheses.clock_offset import sides
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed, moving, sides
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -157,9 +157,10 @@ class OwnNumbers:
             both = self.judged[j] if unseen else [self.numbers, self.numbers]
             for half, numbers in zip((inside * early, inside * ~early), both, strict=True):
                 known += half[:, None] * self._added(seen, j, numbers).T
-                for when, number in self._moving(j, numbers):  # where a drive stuck, it did so at other times
-                    at = np.searchsorted(t, when(replace(seen, number=number))).clip(0, len(t) - 1)
-                    lost |= one.stuck[at] & (half > 0.0)[:, None]
+                for held, number in self._of_part(j, numbers):
+                    if held.claim.moves:  # where a drive stuck, it did so at other times
+                        when = held.claim.moves(replace(seen, number=number))
+                        lost |= one.stuck[np.searchsorted(t, when).clip(0, len(t) - 1)] & (half > 0.0)[:, None]
         return known, lost
 
     def torque(self, one: PreparedRecording, j: int) -> Float:
@@ -167,21 +168,20 @@ class OwnNumbers:
         shape = self.now.shapes[self.parts[j].recording]
         return self._added(seen_before_filter(self.now, one, self.linear, shape), j, self.numbers)
 
-    def _moving(self, j: int, numbers: Float) -> Iterator[tuple[Callable[[Seen], Float], float]]:
-        groups = [(held.claim.moves, group) for held in self.held for group in held.groups]
-        for (moves, group), number in zip(groups, numbers.tolist(), strict=True):
-            if moves is not None and j in group:
-                yield moves, number
-
     def _added(self, seen: Seen, j: int, numbers: Float) -> Float:
         added = np.zeros(seen.torque.shape)
+        for held, number in self._of_part(j, numbers):
+            pieces = held.claim.pieces(replace(seen, number=number))
+            added += number * (pieces @ held.claim.mix(held.node))
+            added += pieces[:, :, -1] if held.claim.moves else 0.0
+        return added
+
+    def _of_part(self, j: int, numbers: Float) -> Iterator[tuple[Claimed, float]]:
+        """Yield what is held of a part, with its number among `numbers` (C,)."""
         groups = [(held, group) for held in self.held for group in held.groups]
         for (held, group), number in zip(groups, numbers.tolist(), strict=True):
             if j in group:
-                pieces = held.claim.pieces(replace(seen, number=number))
-                added += number * (pieces @ held.claim.mix(held.node))
-                added += pieces[:, :, -1] if held.claim.moves else 0.0
-        return added
+                yield held, number
 
     def agrees(self, other: OwnNumbers) -> bool:
         """True if another look finds the same in the same recordings, within its intervals."""

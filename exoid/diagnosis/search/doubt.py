@@ -98,13 +98,13 @@ def undetermined(fitted: FittedModel, name: str) -> str:
         first = next((s for s in fitted.model.shapes if s.term == name), None)
         wanted = [first.name] if first is not None and first.shape.min <= 0.0 <= first.shape.max else []
     found = [known[n] for n in wanted]
-    if not found or not all(_around_zero(e, _at_its_shape(fitted, name, e.name)) for e in found):
+    if not found or not all(around_zero(e, _at_its_shape(fitted, name, e.name)) for e in found):
         return ""
     text = ", ".join(f"{e.name} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}".rstrip() for e in found)
     return f"{text}: the interval contains zero"
 
 
-def _around_zero(one: Estimate, narrower: float) -> bool:
+def around_zero(one: Estimate, narrower: float = 1.0) -> bool:
     """True if an interval contains zero, or is not known, also where it is `narrower` times as wide."""
     low, high = (one.value + narrower * (end - one.value) for end in (one.low, one.high))
     return bool(not np.isfinite([low, high]).all() or low <= 0.0 <= high)
