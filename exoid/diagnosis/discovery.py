@@ -19,12 +19,12 @@ from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
-from exoid.diagnosis.question import Question
+from exoid.diagnosis.question import Question, Searched
 from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
-from exoid.diagnosis.search.doubt import DELAY
+from exoid.diagnosis.search.doubt import DELAY, idle_terms
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
@@ -140,19 +140,29 @@ def _beside_own(
         return None
     rival, explained, own = _with_own(asking, given, own, recordings, verify)
     told = own.without([entry.recording for entry in rival.left_out])
-    doubted = answer.verdict == "check_channels" or answer.outside
-    worse = rival.verdict == "check_channels" or rival.outside
-    worse |= doubted and (rival.verdict == "unexplained" or rival.error is not None)
-    if answer.accepted and not rival.accepted and rival.error is not None:
-        # Beside what nothing explains they take no effect's place, unless they are the main explanation.
-        worse |= explained_by(last, explained) < rules.half
-    if not told or worse or not is_worth(own, explained):
+    main = explained_by(last, explained) >= rules.half
+    if not told or not _may_replace(answer, rival, own, main=main) or not is_worth(own, explained):
         return None
-    if answer.left_out and answer.error is None and (rival.error is not None or own.of_a_machine(answer.left_out)):
-        return None  # what is another machine's is explained by no such number, or by as many as a machine has
     caution = OTHERS_TOO if own.as_many_as(rules.half) else ""
     caution += MORE_TOO if rival.error is not None else ""
     return with_own(rival, told, base, caution)
+
+
+def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
+    """True if a `rival` beside numbers of recordings may stand in place of an answer without; where more than noise is
+    left beside these, only of one that leaves more, too, and of no effect unless they are the `main` explanation.
+    """
+    if rival.verdict == "check_channels" or rival.outside:
+        return False
+    if _leaves_more(rival):
+        return _leaves_more(answer) and (main or bool(rival.accepted) or not answer.accepted)
+    # What is another machine's is explained by as many numbers as a machine has.
+    return answer.error is not None or not own.of_a_machine(answer.left_out)
+
+
+def _leaves_more(answer: Diagnosis) -> bool:
+    """True if a machine's answer leaves more than noise, or what follows a variable."""
+    return not answer.outside and (answer.error is not None or answer.verdict == "unexplained")
 
 
 def _with_own(
@@ -267,13 +277,9 @@ def _answer(
     extensions = state.extensions
     if wrong := next(filter(is_reading, state.names), None):
         return as_given(doubted(reading_doubt(extensions[-1].fitted.fit, wrong)))
-    on_all = done.context.prepared is prepared
-    found_last = extensions[-1].fitted if on_all else _on(extensions[-1].fitted.fit, prepared)
-    judged = found_last.judged_anew() if len(extensions) > 1 else prepared
-    if not (on_all and judged is prepared):
-        whole(0.95, "fitting what was found to the whole of the recordings")
-        extensions = _on_all_of(judged, extensions, anew=not on_all)
-        done = replace(done, prepared=judged, base=extensions[0].fitted)
+    whole(0.95, "fitting what was found to the whole of the recordings")
+    done, extensions = settle(done)
+    state = done.found.state
     last = extensions[-1].fitted
     doubt = doubts_after(done.base, last, rules)
     if doubt is not None:
@@ -361,6 +367,24 @@ def diagnose(
 def _part(tick: Progress, low: float, high: float) -> Progress:
     """Return a progress that moves `tick` from `low` to `high`."""
     return lambda fraction, text: tick(low + fraction * (high - low), text)
+
+
+def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:
+    """Return a search and its models on all of the recordings, with spikes judged anew; without effects that may be
+    nothing there and explain nothing.
+    """
+    context, prepared, state = done.context, done.prepared, done.found.state
+    on_all = context.prepared is prepared
+    extensions = state.extensions
+    last = extensions[-1].fitted if on_all else _on(extensions[-1].fitted.fit, prepared)
+    judged = last.judged_anew() if len(extensions) > 1 else prepared
+    if not (on_all and judged is prepared):
+        extensions = _on_all_of(judged, extensions, anew=not on_all)
+    if idle := idle_terms(extensions, context.rules):
+        context.doubts |= {(context.key(state.extensions[0]), name): why for name, why in idle.items()}
+        shorter = context.replay(state, [name for name in state.names if name not in idle])
+        return settle(replace(done, found=replace(done.found, state=shorter)))
+    return replace(done, prepared=judged, base=extensions[0].fitted), extensions
 
 
 def _on_all_of(prepared: Prepared, extensions: Sequence[Extension], *, anew: bool) -> tuple[Extension, ...]:

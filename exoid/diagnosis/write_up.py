@@ -25,7 +25,6 @@ from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.search.doubt import around_zero
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
@@ -104,7 +103,6 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
         assert score is not None
         term = next(item for item in last.fitted.model.terms if item.name == score.name)
         numbers, share = estimates_in(last.fitted.fit, term.name), before.explained(extension, rules)
-        nothing = all(around_zero(e) for name, e in numbers.items() if name in term.effect.coefficients)
         accepted.append(
             Accepted(
                 effect=term.effect.id,
@@ -118,7 +116,6 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
                 sentence=sentence_of(term, numbers),
                 left=float(times[list(score.candidate.joints)].max()),
                 share=share,
-                doubted=share <= 0.0 and nothing,
             )
         )
     return tuple(accepted)

@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
+from exoid.diagnosis.discovery import settle
+from exoid.diagnosis.question import Searched
 from exoid.diagnosis.search import choice
 from exoid.diagnosis.search import take_back as module
 from exoid.diagnosis.search.choice import contains
+from exoid.diagnosis.search.doubt import idle_terms
 from exoid.diagnosis.search.drop_unsteady import drop_unsteady
-from exoid.diagnosis.search.engine import run_search
+from exoid.diagnosis.search.engine import Found, run_search
 from exoid.diagnosis.search.exchange import exchange
 from exoid.diagnosis.search.forward import forward
 from exoid.diagnosis.search.prune import prune
@@ -62,6 +65,15 @@ def test_prune_drops_what_the_later_terms_made_superfluous(plain):
     assert prune(plain, state).names == ("stribeck:hip",)
     assert prune(with_rules(plain, strict_level=1.0, least_share=-1.0), state) is state
     assert state.names == ("viscous_cubic:hip", "stribeck:hip")
+
+
+def test_a_term_that_came_to_nothing_is_no_answer(plain):
+    real = ("stribeck:hip", "torque_offset:knee")
+    state = state_with(plain, *real, "viscous_cubic:hip")
+    assert idle_terms(state.extensions, plain.rules).keys() == {"viscous_cubic:hip"}
+    settled, extensions = settle(Searched(plain.prepared, state.extensions[0].fitted, plain, Found(state, ())))
+    assert set(settled.found.state.names) == set(real) and len(extensions) == 3
+    assert "may be nothing" in plain.doubts[(), "viscous_cubic:hip"].reason
 
 
 def test_prune_leaves_two_real_terms_alone(plain):

@@ -92,3 +92,11 @@ def test_coverage(rho, recordings, samples, robust):
     ours, _ = covered(rho, recordings, samples, robust, repetitions=200)
     assert 0.92 <= ours.mean() <= 0.98
     assert ours.min() >= 0.86
+
+
+@pytest.mark.parametrize("size", [1e-150, 1e-160, 1e-200])
+def test_a_column_that_is_next_to_nothing_determines_nothing(size):
+    rng = np.random.default_rng(0)
+    columns = rng.standard_normal((1, 400, 3)) * [1.0, 1.0, size]
+    found = covariance(columns, rng.standard_normal((1, 400)), np.array([1.5]), np.zeros(400, dtype=int))
+    assert np.all(found.half_widths()[:2] < 1.0) and not found.half_widths()[2] < 1e100

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -54,6 +56,22 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
+
+
+def idle_terms(extensions: Sequence[Extension], rules: Rules) -> dict[str, Objection]:
+    """Terms that explain nothing where they were added and whose numbers may be nothing in the last model, with that as
+    the objection: what came later, or other spikes, took their place.
+    """
+    last, found = extensions[-1].fitted, {}
+    for before, after in pairwise(extensions):
+        if after.added is None or before.explained(after, rules) > 0.0:
+            continue
+        name = after.added.name
+        own = {parameter.name for parameter in last.model.parameters if parameter.term == name}
+        nothing = all(around_zero(e) for e in last.fit.estimates if e.name in own) if own else undetermined(last, name)
+        if nothing:
+            found[name] = Objection("beside what else was found it explains nothing, and its numbers may be nothing")
+    return found
 
 
 def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:

@@ -70,7 +70,9 @@ def covariance(
     whitened = inverse @ meat @ inverse.T
     share = min(lag / max(samples, 1), 1.0)
     critical = float(np.polynomial.polynomial.polyval(share, FIXED_B))
-    return Covariance(factor.backward @ whitened @ factor.backward.T, lag, critical, factor.undetermined)
+    with np.errstate(over="ignore"):  # of a column that is next to nothing the number may be anything
+        matrix = factor.backward @ whitened @ factor.backward.T
+    return Covariance(matrix, lag, critical, factor.undetermined)
 
 
 def block_length(score: Float, groups: NDArray[np.int64]) -> int:
