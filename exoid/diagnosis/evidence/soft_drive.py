@@ -77,7 +77,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of little motion,
     which some compliance fits by chance.
     """
-    asked = last.evaluation_rms > rules.artefact * noise
+    asked = last.evaluation_rms**2 > rules.artefact * noise**2  # more is left than the noise itself
     # Of what swings by itself a link on a spring takes up much.
     if not asked.any() or little_motion(base.prepared, rules) or swinging(last) is not None:
         return None
