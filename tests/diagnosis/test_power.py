@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis import discover
+from exoid.diagnosis.evidence import power
 from exoid.diagnosis.evidence.power import Power, power_said
 from exoid.diagnosis.report.sections import power as power_section
 from exoid.measurement.bench.hidden import Hidden
@@ -37,6 +38,13 @@ def test_an_answer_that_nothing_is_missing_says_what_would_have_shown(nothing):
     told = {one["effect"]: one for one in nothing.to_json()["power"]}
     assert set(told["viscous_cubic"]) == {"effect", "joint", "parameter", "smallest", "usual", "unit", "would_show"}
     assert told["viscous_cubic"]["unit"] == "N·m·s³/rad³"
+
+
+def test_a_size_that_no_effect_has_is_none_that_would_have_shown(monkeypatch):
+    monkeypatch.setattr(power, "LARGEST", 1.0)
+    shown = found(seconds=8.0).power
+    assert any(np.isinf(one.smallest) for one in shown)
+    assert all(one.smallest <= one.usual or np.isinf(one.smallest) for one in shown)
 
 
 def test_what_is_so_large_is_found_and_what_is_much_smaller_is_not(nothing):

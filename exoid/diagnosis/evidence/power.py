@@ -35,6 +35,8 @@ SURE = 3.0
 """Times the size at which it takes so much on average: by then it does whatever the noise, and in all splits."""
 MOST = 0.5
 """Share of the loss that is asked of an effect at most."""
+LARGEST = 1000.0
+"""Times its usual size that no effect has: beyond, recordings show nothing of it."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,7 @@ def _power(
     with np.errstate(divide="ignore"):
         times = max(float(np.sqrt(np.divide(need, gain))) if gain > 0.0 else np.inf for need, gain in parts)
     term, smallest = candidate.term, SURE * usual * times
-    if entry.most is not None and smallest > entry.most:  # a size that it cannot have
+    if smallest > min(usual * LARGEST, np.inf if entry.most is None else entry.most):  # a size that it cannot have
         smallest = np.inf
     return Power(term.effect.id, term.joint, entry.key, smallest, usual, entry.unit)
 
