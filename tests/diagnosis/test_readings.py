@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from exoid.diagnosis.discovery import discover, in_words
+from exoid.diagnosis.discovery import discover
+from exoid.diagnosis.machine_answer import in_words
 from exoid.diagnosis.readings import is_reading, readings_of, thigh_length
 from exoid.diagnosis.results import Accepted
 from exoid.measurement.bench.hidden import Hidden

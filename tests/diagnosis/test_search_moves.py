@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from exoid.diagnosis.discovery import settle
+from exoid.diagnosis.machine_answer import settle
 from exoid.diagnosis.question import Searched
 from exoid.diagnosis.search import choice
 from exoid.diagnosis.search import take_back as module

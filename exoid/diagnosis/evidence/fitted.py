@@ -216,6 +216,18 @@ def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
     return FittedModel(fit, shapes, residuals, prepared, _slack(fit, model))
 
 
+def fitted_on(fit: Fit, prepared: Prepared) -> FittedModel:
+    """Return a model on all recordings, whichever of them it was fitted to."""
+    return fitted_model(fit_as_of(fit, prepared), prepared)
+
+
+def fit_as_of(fit: Fit, prepared: Prepared) -> Fit:
+    """Return a fit to other recordings, or to stretches, as one of these: with the same shape values in each."""
+    if len(fit.shapes) == len(prepared.train):
+        return fit
+    return replace(fit, shapes=np.broadcast_to(fit.shape, (len(prepared.train), len(fit.shape))))
+
+
 def starts_within(starts: np.ndarray, first: int, last: int) -> np.ndarray:
     """Starts of the blocks of a part of a recording, from its sample `first` to before `last`, counted from there."""
     return np.array([0, *(starts[(starts > first) & (starts < last)] - first)])

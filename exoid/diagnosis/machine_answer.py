@@ -1,0 +1,206 @@
+"""The answer of a machine alone: the search for what its model lacks, judged on all of the recordings, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
+from exoid.diagnosis.evidence.channels import doubts_after
+from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
+from exoid.diagnosis.evidence.own_sway import own_sway
+from exoid.diagnosis.evidence.soft_drive import soft_drive
+from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
+from exoid.diagnosis.question import Question, Searched
+from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
+from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.doubt import DELAY, idle_terms
+from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
+from exoid.diagnosis.search.state import Extension, State
+from exoid.diagnosis.settings import ALL
+from exoid.diagnosis.splits import from_scratch
+from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
+from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
+from exoid.ground.progress import Progress
+from exoid.measurement.reading.conventions import read_as
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared
+
+
+@dataclass(frozen=True, eq=False)
+class Asking:
+    """A question, where its progress is told, what hears of every step of the search, and when it began."""
+
+    question: Question
+    tick: Progress
+    found: Callable[[Sequence[Step]], None] | None
+    began: float
+
+    def part(self, low: float, high: float) -> Asking:
+        """The same, whose progress goes from `low` to `high`."""
+        return replace(self, tick=part_of(self.tick, low, high))
+
+
+def answer_of_machine(
+    asking: Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
+) -> Diagnosis:
+    """Return the answer of these recordings, to which `base` is fitted; those that are not of what the others are of
+    are left out, and the others are answered.
+    """
+    question = asking.question
+    odd = odd_ones(base, question.rules) if len(base.prepared.all) > OTHERS else ()
+    fitted = [recording for k, recording in enumerate(recordings) if k not in odd]
+    held = [item for k, item in enumerate(verify, len(recordings)) if k not in odd]
+    if not odd or not fitted or (verify and not held):
+        return _answer(asking, base, recordings, verify)
+    half = asking.part(0.0, 0.5)
+    of_others = _answer(half, question.fitted(fitted, held, half.tick), fitted, held)
+    apart, explained = left_out(base, of_others.fit, odd, question.rules)
+    sentence = " ".join([of_others.sentence, *(f"{item.sentence}." for item in apart.values())])
+    without = replace(of_others, sentence=sentence, left_out=tuple(apart.values()))
+    if apart and of_others.accepted:
+        return without
+    whole = _answer(asking.part(0.5, 1.0), base, recordings, verify)
+    if not apart or whole.accepted or of_others.verdict != "adequate":
+        return whole
+    # An effect that these alone show is one of the machine, unless numbers of their own explain far more.
+    nearest = max((entry.explained_share for entry in whole.possible), default=0.0)
+    return whole if nearest > max(question.rules.worth_telling, question.rules.half * explained) else without
+
+
+def _answer(
+    asking: Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
+) -> Diagnosis:
+    """Return the answer of all these recordings together, to which `base` is fitted."""
+    question, tick = asking.question, asking.tick
+    rules, splits = question.rules, question.asked.splits
+    whole = part_of(tick, 0.0, 0.5) if splits == ALL else tick
+
+    def read(option: str) -> FittedModel:
+        fitted, held = ([read_as(recording, option) for recording in group] for group in (recordings, verify))
+        return question.fitted(fitted, held, whole)
+
+    done = question.search(base, whole, asking.found, read)
+    prepared, state = done.prepared, done.found.state
+
+    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:
+        return write_up(done, (Extension(done.base),), (), None, possible, answer, asking.began)
+
+    if done.answer is not None:
+        return as_given(done.answer)
+    extensions = state.extensions
+    if wrong := next(filter(is_reading, state.names), None):
+        return as_given(doubted(reading_doubt(extensions[-1].fitted.fit, wrong)))
+    whole(0.95, "fitting what was found to the whole of the recordings")
+    done, extensions = settle(done)
+    state = done.found.state
+    last = extensions[-1].fitted
+    doubt = doubts_after(done.base, last, rules)
+    if doubt is not None:
+        return as_given(doubted(doubt))
+    several = len(recordings) + len(verify) > 1
+    agreements = agreements_of(done.context, state) if several else {}
+    possible = possible_of(done.context, state, several)
+    if splits == ALL and several:
+        agreements, possible = from_scratch(question, recordings, verify, state.names, part_of(tick, 0.5, 0.96))
+    tick(0.97, "writing it down")
+    # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
+    left = None if len(extensions) > rules.most_terms else state.left
+    accepted = _agreed(accepted_of(extensions, rules), agreements, done.context.prepared)
+    if prepared.angles_were_filtered:
+        accepted = tuple(replace(effect, doubted=True) for effect in accepted)
+    soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
+    if soft is not None:
+        return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
+    accepted = tuple(map(in_words, accepted))
+    behind_filter = _filtered(done.context, state, rules)
+    if behind_filter is not None and behind_filter.doubt is not None:
+        return as_given(doubted(behind_filter.doubt))
+    if behind_filter is not None:
+        also = (behind_filter.name,)
+        accepted = tuple(
+            replace(a, look_alikes=(*a.look_alikes, *also), outside=(*a.outside, *also)) if a.effect == DELAY else a
+            for a in accepted
+        )
+    sway = own_sway(state.last.fitted, done.context.noise(state.last), rules)
+    if sway is not None:
+        possible = possible_with(sway, possible, rules)
+    first = () if accepted else done.found.first
+    leading = leading_of(done.context, state, first, done.base.evaluation_rms)
+    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
+    if sway is not None and not accepted:
+        answer = swayed(sway, answer, last.model.joints)
+    return write_up(done, extensions, accepted, left, possible, answer, asking.began, leading)
+
+
+def _agreed(
+    accepted: Sequence[Accepted], agreements: Mapping[str, Agreement], searched: Prepared
+) -> tuple[Accepted, ...]:
+    """Accepted effects, each with what splits of the recordings say of it."""
+    names = [item.name for item in searched.all]
+    pairs = [(effect, agreements.get(effect.name, Agreement())) for effect in accepted]
+    return tuple(replace(entry, agreement=own, against=tuple(names[k] for k in own.against)) for entry, own in pairs)
+
+
+def in_words(one: Accepted) -> Accepted:
+    """The same accepted effect, with readings among its look-alikes named in words: no catalogue has them."""
+    also = {name: reading_said(name) for name in one.look_alikes if is_reading(name)}
+    if not also:
+        return one
+    alike, never = (tuple(also.get(n, n) for n in names) for names in (one.look_alikes, one.never_separable))
+    return replace(one, look_alikes=alike, never_separable=never, outside=tuple(also.values()))
+
+
+def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTorque | None:
+    """Return the filter on the torque that may be what the accepted delays stand for; None where none may."""
+    last = state.last.fitted
+    shapes = [entry.term for entry in last.model.shapes]
+    delays = [score for score in state.accepted if score.candidate.term.effect.id == DELAY]
+    values = [last.fit.shapes[:, shapes.index(score.name)] for score in delays]
+    late = [score for score, own in zip(delays, values, strict=True) if np.ptp(own) < np.median(own)]
+    if not late:  # a torque that is early, or late by something else in every recording, is behind no filter
+        return None
+    joints = sorted({joint for score in late for joint in score.candidate.joints})
+    return filtered(context.without(state.last, late).fitted, joints, rules)
+
+
+def part_of(tick: Progress, low: float, high: float) -> Progress:
+    """Return a progress that moves `tick` from `low` to `high`."""
+    return lambda fraction, text: tick(low + fraction * (high - low), text)
+
+
+def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:
+    """Return a search and its models on all of the recordings, with spikes judged anew; without effects that may be
+    nothing there and explain nothing.
+    """
+    context, prepared, state = done.context, done.prepared, done.found.state
+    on_all = context.prepared is prepared
+    extensions = state.extensions
+    last = extensions[-1].fitted if on_all else fitted_on(extensions[-1].fitted.fit, prepared)
+    judged = last.judged_anew() if len(extensions) > 1 else prepared
+    if not (on_all and judged is prepared):
+        extensions = _refitted(judged, extensions, anew=not on_all)
+    if idle := idle_terms(extensions, context.rules):
+        context.doubts |= {(context.key(state.extensions[0]), name): why for name, why in idle.items()}
+        shorter = context.replay(state, [name for name in state.names if name not in idle])
+        return settle(replace(done, found=replace(done.found, state=shorter)))
+    return replace(done, prepared=judged, base=extensions[0].fitted), extensions
+
+
+def _refitted(prepared: Prepared, extensions: Sequence[Extension], *, anew: bool) -> tuple[Extension, ...]:
+    """Return the models on recordings of which the search had seen other spikes, the last fitted anew; all of them are,
+    `anew`, where it had seen only stretches.
+    """
+    out = []
+    for k, extension in enumerate(extensions, start=1):
+        fit = fit_as_of(extension.fitted.fit, prepared)
+        if anew or k == len(extensions):
+            fit = identify(fit.model, prepared.train, optimisers=(), start=fit.start)
+        out.append(replace(extension, fitted=fitted_model(fit, prepared)))
+    return tuple(out)
