@@ -19,7 +19,7 @@ from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
-from exoid.diagnosis.search.doubt import DELAY, idle_terms
+from exoid.diagnosis.search.doubt import DELAY, refuted
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL
@@ -176,8 +176,8 @@ def part_of(tick: Progress, low: float, high: float) -> Progress:
 
 
 def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:
-    """Return a search and its models on all of the recordings, with spikes judged anew; without effects that may be
-    nothing there and explain nothing.
+    """Return a search and its models on all of the recordings, with spikes judged anew; without effects to which
+    their numbers there object.
     """
     context, prepared, state = done.context, done.prepared, done.found.state
     on_all = context.prepared is prepared
@@ -186,9 +186,10 @@ def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:
     judged = last.judged_anew() if len(extensions) > 1 else prepared
     if not (on_all and judged is prepared):
         extensions = _refitted(judged, extensions, anew=not on_all)
-    if idle := idle_terms(extensions, context.rules):
-        context.doubts |= {(context.key(state.extensions[0]), name): why for name, why in idle.items()}
-        shorter = context.replay(state, [name for name in state.names if name not in idle])
+    if (wrong := refuted(extensions, context.rules)) is not None:
+        name, objection = wrong
+        context.doubts[context.key(state.extensions[0]), name] = objection
+        shorter = context.replay(state, [other for other in state.names if other != name])
         return settle(replace(done, found=replace(done.found, state=shorter)))
     return replace(done, prepared=judged, base=extensions[0].fitted), extensions
 

@@ -15,7 +15,7 @@ from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.readings import is_reading, reading_change
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.state import Extension
-from exoid.ground.ties import index_of_greatest
+from exoid.ground.ties import index_of_greatest, least_of
 from exoid.measurement.signals.masks import widen
 from exoid.optimisation.fitting.shapes import to_unit
 from exoid.symbolic.language.torque import is_transform
@@ -58,20 +58,29 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
     return Objection(reason or early, early=bool(early)) if reason or early else None
 
 
-def idle_terms(extensions: Sequence[Extension], rules: Rules) -> dict[str, Objection]:
-    """Terms that explain nothing where they were added and whose numbers may be nothing in the last model, with that as
-    the objection: what came later, or other spikes, took their place.
+def refuted(extensions: Sequence[Extension], rules: Rules) -> tuple[str, Objection] | None:
+    """The term that explains least of those to which the numbers of the last model object, and the objection; None
+    where they object to none. What came later, or other spikes, may have taken its place.
     """
-    last, found = extensions[-1].fitted, {}
+    last, found = extensions[-1].fitted, []
     for before, after in pairwise(extensions):
-        if after.added is None or before.explained(after, rules) > 0.0:
+        if after.added is None:
             continue
-        name = after.added.name
-        own = {parameter.name for parameter in last.model.parameters if parameter.term == name}
-        nothing = all(around_zero(e) for e in last.fit.estimates if e.name in own) if own else undetermined(last, name)
-        if nothing:
-            found[name] = Objection("beside what else was found it explains nothing, and its numbers may be nothing")
-    return found
+        name, share = after.added.name, before.explained(after, rules)
+        reason = on_bound(last, name, rules) or undetermined(last, name) or (_idle(last, name) if share <= 0.0 else "")
+        if reason:
+            found.append((share, name, Objection(f"in the last fit, {reason}")))
+    if not found:
+        return None
+    _, name, objection = least_of(found, lambda one: one[0], 1.0)
+    return name, objection
+
+
+def _idle(last: FittedModel, name: str) -> str:
+    """Return that a term explains nothing where each of its coefficients may be zero, its shape not known either."""
+    own = {parameter.name for parameter in last.model.parameters if parameter.term == name}
+    known = [e for e in last.fit.estimates if e.name in own]
+    return "it explains nothing, and its numbers may be nothing" if known and all(map(around_zero, known)) else ""
 
 
 def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
