@@ -329,6 +329,27 @@ def test_a_zero_that_jumps_midway_is_told():
     assert one.spans["run_2"] == (pytest.approx(6.0, abs=0.03), None) and "than before" in one.sentence
 
 
+def test_torques_that_come_late_from_a_moment_on_are_told_with_it():
+    runs = [drive(k) for k in range(4)]
+    before = runs[1].t < 7.0
+    runs[1] = replace(runs[1], tau=np.where(before[:, None], runs[1].tau, late(runs[1], 0.03).tau))
+    (one,) = discover(AXIS, runs[:3], runs[3]).of_recordings
+    assert one.what == "clock_offset" and one.values["run_1"].value == pytest.approx(0.03, abs=0.003)
+    assert one.spans["run_1"] == (pytest.approx(7.0, abs=0.5), None)
+    assert one.sentence.startswith("From ") and "than before" in one.sentence
+
+
+def test_a_number_that_may_be_the_usual_one_is_not_told():
+    runs = [drive(k) for k in range(5)]
+    runs = [replace(one, tau=one.tau * (1.2 if k == 1 else 1.0)) for k, one in enumerate(runs)]
+    prepared = prepare(AXIS, runs[:4], runs[4:])
+    now = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
+    fits = Fits(now, RULES, {})
+    gain = next(claim for claim in fits.claims if claim.what == "torque_gain")
+    (held,) = with_numbers(fits, (Claimed(gain, gain.nodes[0], ((1,), (2,))),)).clear
+    assert held.groups == ((1,),)
+
+
 def test_a_gain_of_the_last_third_of_one_fitted_recording_is_told_though_the_rest_is_explained():
     runs = [drive(k) for k in range(4)]
     late = runs[1].t > 11.0

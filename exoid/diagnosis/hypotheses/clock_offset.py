@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moving, sides
+from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moving, sides, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -27,4 +27,4 @@ def _late(seen: Seen) -> Float:
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the delays {recording: words} of the torques."""
     each = each_said(sides(values, "later", "earlier"))
-    return f"The torques come at another time than in the other recordings: {each}"
+    return f"{than_usual('torques come at another time', when)}: {each}"

@@ -48,8 +48,8 @@ def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
     if own is not None and (anew := own.with_spikes()) is not None:
         known, fits = fits, Fits(now.on(anew), rules, fits.cuts)
         own = with_numbers(fits, placed(fits, fits.moved(known, held)))
-    while own is not None and len(own.clear) < len(own.held):
-        own = with_numbers(fits, own.clear) if own.clear else None
+    while own is not None and (clear := own.clear) != own.held:
+        own = with_numbers(fits, clear) if clear else None
     return own
 
 

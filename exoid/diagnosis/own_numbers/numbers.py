@@ -68,9 +68,9 @@ class Belonging(AsJson):
 @dataclass(frozen=True, eq=False)
 class OwnNumbers:
     """Numbers that belong to recordings beside the model `now`: the claims that are `held` of `parts` of them, their
-    `numbers` (C,), and for each part those (2, C) by which its two halves are judged; statements `of_each` claim.
-    Factors are those of the model's torque at its `linear` numbers (P,). `needless` are terms of the model that do no
-    more than what each recording has.
+    `numbers` (C,) with the half-`widths` (C,) of their intervals, and for each part those (2, C) by which its two
+    halves are judged; statements `of_each` claim. Factors are those of the model's torque at its `linear` numbers (P,).
+    `needless` are terms of the model that do no more than what each recording has.
     """
 
     now: FittedModel
@@ -78,6 +78,7 @@ class OwnNumbers:
     parts: tuple[Part, ...]
     held: State
     numbers: Float
+    widths: Float
     judged: Float
     needless: tuple[str, ...] = ()
     of_each: tuple[tuple[Belonging, ...], ...] = ()
@@ -94,12 +95,21 @@ class OwnNumbers:
 
     @property
     def clear(self) -> State:
-        """The claims of which some recording's number is not the usual one."""
-        out = []
+        """The claims of which some recording's number is not the usual one, without recordings of which it may be; what
+        each recording has is known of all.
+        """
+        out, at = [], 0
         for held, some in zip(self.held, self.of_each, strict=True):
-            values = (value for statement in some for value in statement.values.values())
-            if not all(value.low <= held.claim.usual <= value.high for value in values):
-                out.append(held)
+            numbers = slice(at, at := at + len(held.groups))
+            sure = np.abs(self.numbers[numbers]) > self.widths[numbers]
+            if len(held.claim.nodes) > 1:  # of a load another number may be told
+                values = [value for statement in some for value in statement.values.values()]
+                sure[:] = not all(value.low <= held.claim.usual <= value.high for value in values)
+            if held.claim.everyone and sure.any():
+                sure[:] = True
+            groups = tuple(group for group, known in zip(held.groups, sure, strict=True) if known)
+            if groups:
+                out.append(held if groups == held.groups else replace(held, groups=groups))
         return tuple(out)
 
     def of_a_machine(self, recordings: Sequence[Apart]) -> bool:
@@ -205,7 +215,8 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
             others[j, half] = 0.0
             judged[j, half] = fits.fitted(state, others)[fits.count :]
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
-    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, judged, fits.needless(state))
+    widths = np.array([spread.number(k) for k in range(len(numbers))])
+    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
     own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
     told, at = [], 0
     for held in state:
