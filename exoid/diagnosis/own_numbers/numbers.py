@@ -100,8 +100,9 @@ class OwnNumbers:
         """
         out, at = [], 0
         for held, some in zip(self.held, self.of_each, strict=True):
-            numbers = slice(at, at := at + len(held.groups))
-            sure = np.abs(self.numbers[numbers]) > self.widths[numbers]
+            mine = slice(at, at + len(held.groups))
+            at = mine.stop
+            sure = np.abs(self.numbers[mine]) > self.widths[mine]
             if len(held.claim.nodes) > 1:  # of a load another number may be told
                 values = [value for statement in some for value in statement.values.values()]
                 sure[:] = not all(value.low <= held.claim.usual <= value.high for value in values)
