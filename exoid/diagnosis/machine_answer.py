@@ -26,7 +26,7 @@ from exoid.diagnosis.settings import ALL
 from exoid.diagnosis.splits import from_scratch
 from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
 from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
-from exoid.ground.progress import Progress
+from exoid.ground.progress import Progress, part_of
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
@@ -94,10 +94,9 @@ def _answer(
 
     if done.answer is not None:
         return as_given(done.answer)
-    extensions = state.extensions
     if wrong := next(filter(is_reading, state.names), None):
-        return as_given(doubted(reading_doubt(extensions[-1].fitted.fit, wrong)))
-    whole(0.95, "fitting what was found to the whole of the recordings")
+        return as_given(doubted(reading_doubt(state.last.fitted.fit, wrong)))
+    whole(0.95, "judging what was found on the whole of the recordings")
     done, extensions = settle(done)
     state = done.found.state
     last = extensions[-1].fitted
@@ -168,11 +167,6 @@ def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTor
         return None
     joints = sorted({joint for score in late for joint in score.candidate.joints})
     return filtered(context.without(state.last, late).fitted, joints, rules)
-
-
-def part_of(tick: Progress, low: float, high: float) -> Progress:
-    """Return a progress that moves `tick` from `low` to `high`."""
-    return lambda fraction, text: tick(low + fraction * (high - low), text)
 
 
 def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:

@@ -97,8 +97,7 @@ class Accepted(AsJson):
     left: float = 0.0
     share: float = 0.0
     doubted: bool = False
-    """Doubt that comes from no other effect: angles that were filtered, or numbers that may be nothing and do
-    nothing."""
+    """Doubt that comes from no other effect: angles that were filtered."""
 
     @property
     def fall(self) -> float:

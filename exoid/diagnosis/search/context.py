@@ -24,7 +24,7 @@ from exoid.diagnosis.evidence.simulated import made_by_itself
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.doubt import Objection, doubt
 from exoid.diagnosis.search.state import Extension, State
-from exoid.ground.progress import Progress, silent
+from exoid.ground.progress import Progress, part_of, silent
 from exoid.ground.ties import least_of, order_of
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
@@ -170,7 +170,7 @@ class SearchContext:
             self._notice_sway(extension)
             low, high = _span(step)
             evidence = self.evidence(extension, self._draws())
-            tick: Progress = lambda f, text: self.tick(low + f * (high - low), f"step {step}: {text}")  # noqa: E731
+            tick = part_of(self.tick, low, high, f"step {step}: ")
             self.ranked[key] = evidence, rank(evidence, self.library, extension.fitted, tick)
             evidence.forget()
         return self.ranked[key]

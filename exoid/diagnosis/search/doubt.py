@@ -77,10 +77,11 @@ def refuted(extensions: Sequence[Extension], rules: Rules) -> tuple[str, Objecti
 
 
 def _idle(last: FittedModel, name: str) -> str:
-    """Return that a term explains nothing where each of its coefficients may be zero, its shape not known either."""
-    own = {parameter.name for parameter in last.model.parameters if parameter.term == name}
-    known = [e for e in last.fit.estimates if e.name in own]
-    return "it explains nothing, and its numbers may be nothing" if known and all(map(around_zero, known)) else ""
+    """Objection to the term `name` that explains nothing where each of its coefficients may be zero, its shape not
+    known either; "" where one may not.
+    """
+    own = _coefficients(last, name)
+    return "it explains nothing, and its numbers may be nothing" if own and all(map(_around_zero, own)) else ""
 
 
 def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
@@ -119,19 +120,24 @@ def undetermined(fitted: FittedModel, name: str) -> str:
     flank shows neither height nor width is known, and it is there all the same. Of a term without coefficients it is
     the interval of its first number, where zero is one of its values.
     """
-    known = {e.name: e for e in fitted.fit.estimates}
-    wanted = [p.name for p in fitted.model.parameters if p.term == name]
-    if not wanted:
+    found = _coefficients(fitted, name)
+    if not found:
         first = next((s for s in fitted.model.shapes if s.term == name), None)
-        wanted = [first.name] if first is not None and first.shape.min <= 0.0 <= first.shape.max else []
-    found = [known[n] for n in wanted]
-    if not found or not all(around_zero(e, _at_its_shape(fitted, name, e.name)) for e in found):
+        wanted = first.name if first is not None and first.shape.min <= 0.0 <= first.shape.max else None
+        found = [e for e in fitted.fit.estimates if e.name == wanted]
+    if not found or not all(_around_zero(e, _at_its_shape(fitted, name, e.name)) for e in found):
         return ""
     text = ", ".join(f"{e.name} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}".rstrip() for e in found)
     return f"{text}: the interval contains zero"
 
 
-def around_zero(one: Estimate, narrower: float = 1.0) -> bool:
+def _coefficients(fitted: FittedModel, name: str) -> list[Estimate]:
+    """Estimates of the coefficients of the term `name`, in the order of the model."""
+    known = {e.name: e for e in fitted.fit.estimates}
+    return [known[p.name] for p in fitted.model.parameters if p.term == name]
+
+
+def _around_zero(one: Estimate, narrower: float = 1.0) -> bool:
     """True if an interval contains zero, or is not known, also where it is `narrower` times as wide."""
     low, high = (one.value + narrower * (end - one.value) for end in (one.low, one.high))
     return bool(not np.isfinite([low, high]).all() or low <= 0.0 <= high)
