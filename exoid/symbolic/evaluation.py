@@ -100,16 +100,15 @@ def feedback(model: ModelStructure, terms: Iterable[Term], base: Float, linear: 
 
     They are never taken from a measurement: that would leak the answer into the question.
     """
-    used = {name for term in terms for torque in torques(term) for name in torque.names}
-    whole = {*base_places(model)}
-    linear = np.concatenate([linear, np.ones(max(0, 1 + max(whole) - len(linear)))])
-    found = {}
-    for word, chosen in (("tau_rigid", {*rigid_places(model)}), ("tau_model", whole)):
-        numbers = np.array([linear[k] if k in chosen else 0.0 for k in base_places(model)])
-        for j, columns in enumerate(base):
-            if f"{word}{j + 1}" in used:
-                found[f"{word}{j + 1}"] = columns @ numbers
-    return found
+    used, whole = {name for term in terms for torque in torques(term) for name in torque.names}, base_places(model)
+    every = np.concatenate([linear, np.ones(max(0, 1 + max(whole) - len(linear)))])[whole]
+    rigid = np.where(np.isin(whole, rigid_places(model)), every, 0.0)
+    return {
+        f"{word}{j + 1}": columns @ numbers
+        for word, numbers in (("tau_rigid", rigid), ("tau_model", every))
+        for j, columns in enumerate(base)
+        if f"{word}{j + 1}" in used
+    }
 
 
 def apply_transforms(model: ModelStructure, out: Float, shapes: Float, motion: Motion) -> None:

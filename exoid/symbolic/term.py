@@ -98,7 +98,7 @@ class Term:
             return "the base model contains it already"
         return ""
 
-    @property
+    @cached_property
     def name(self) -> str:
         """Full name: "stribeck:knee", or "gravity_tilt" for an effect on both joints of the leg."""
         return self.effect.id if self.joint is None else f"{self.effect.id}:{self.joint}"
@@ -186,7 +186,7 @@ class Term:
         elif self.effect.deflection is not None:
             yield from deflected(self.effect.deflection, self.first, self.among)
 
-    @property
+    @cached_property
     def reaches(self) -> tuple[int, ...]:
         """Indices of the joints whose torque the effect changes."""
         if self.effect.reach == "all":

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.diagnosis.evidence.channel_doubt import known
+from exoid.diagnosis.evidence.channel_doubt import mean_square_known, variance_known
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
@@ -150,13 +150,11 @@ def _plain(own: Float, others: Float, rules: Rules) -> NDArray[np.bool_]:
 
 def _power(base: FittedModel) -> Float:
     """Return the variance (J,) of the torque of each joint, the median of the recordings; NaN for one without drive."""
-    each = np.ma.stack([known([item.torque], [item]).var(axis=1) for item in base.prepared.all])
-    usual = np.ma.median(np.ma.masked_less_equal(each, 0.0), axis=0)  # type: ignore[no-untyped-call]
-    return np.asarray(usual.filled(np.nan))
+    each = np.array([variance_known([item]) for item in base.prepared.all]).T
+    return np.array([np.median(row[~np.isnan(row)]) if np.isfinite(row).any() else np.nan for row in each])
 
 
 def _shares(fitted: FittedModel) -> Float:
     """Return the share (R, J) of the usual variance of a torque that is left of each recording."""
     pairs = zip(fitted.residuals, fitted.prepared.all, strict=True)
-    left = np.ma.stack([(known([residual], [item]) ** 2).mean(axis=1) for residual, item in pairs])
-    return np.asarray(left.filled(np.nan) / _power(fitted))
+    return np.array([mean_square_known([residual], [item]) for residual, item in pairs]) / _power(fitted)

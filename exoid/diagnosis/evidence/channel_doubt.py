@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -33,12 +32,24 @@ def left_share(fitted: FittedModel) -> Float:
     """
     every, count = fitted.prepared.all, len(fitted.prepared.train)
     parts = [slice(count), slice(count, None)][: 1 + fitted.verified]
-    whole = known([item.torque for item in every], every).var(axis=1)
-    left = [(known(fitted.residuals[part], every[part]) ** 2).mean(axis=1) / whole for part in parts]
-    return np.asarray(np.ma.stack(left).max(axis=0).filled(np.nan))
+    left = [mean_square_known(fitted.residuals[part], every[part]) for part in parts]
+    return np.asarray(np.fmax.reduce(left) / variance_known(every))
 
 
-def known(rows: Sequence[Float], recordings: Sequence[PreparedRecording]) -> np.ma.MaskedArray[Any, Any]:
-    """Return `rows` (J, K) of recordings behind one another, masked where no torque of a drive is known."""
-    mask = [~(item.used & item.driven[:, None]) for item in recordings]
-    return np.ma.masked_array(np.concatenate(rows, axis=1), np.concatenate(mask, axis=1))
+def variance_known(recordings: Sequence[PreparedRecording]) -> Float:
+    """Return the variance (J,) of the torques of recordings; NaN where it is zero, or no torque of a drive known."""
+    mean = _means([item.torque for item in recordings], recordings)[:, None]
+    power = mean_square_known([item.torque - mean for item in recordings], recordings)
+    return np.where(power > 0.0, power, np.nan)
+
+
+def mean_square_known(rows: Sequence[Float], recordings: Sequence[PreparedRecording]) -> Float:
+    """Return the mean square (J,) of `rows` (J, K) of recordings where torques of drives are known; NaN where none is.
+    """
+    return _means([row**2 for row in rows], recordings)
+
+
+def _means(rows: Sequence[Float], recordings: Sequence[PreparedRecording]) -> Float:
+    use = np.concatenate([item.used & item.driven[:, None] for item in recordings], axis=1)
+    count = use.sum(axis=1)
+    return np.asarray(np.sum(np.concatenate(rows, axis=1), axis=1, where=use) / np.where(count > 0, count, np.nan))

@@ -59,8 +59,8 @@ class RecordingEvidence:
 class Evidence:
     """Gram blocks of the present model on training and verification recordings, ready to weigh candidates.
 
-    Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording (`shifts`, in samples; by
-    default as many as `rules` say) are drawn from `seed`. `prior` (P,) is the precision with which each parameter of
+    Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording (by default as many as
+    `rules` say) are drawn from `seed`. `prior` (P,) is the precision with which each parameter of
     the model is held where it is, 0 for free ones. `friction` is the place of the first number of friction
     among them, and dry and viscous friction (J, 2) of every joint; None where nobody asks for them.
     """
@@ -80,7 +80,7 @@ class Evidence:
         self.friction = friction
         self.train, self.verify = tuple(train), tuple(verify)
         self.rules = rules
-        self.draws = draws = rules.placebos if draws is None else draws
+        self.seed, self.draws = seed, rules.placebos if draws is None else draws
         self.prior = np.zeros(self.train[0].columns.shape[2]) if prior is None else prior
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.train]) if sigma is None else sigma
         self._units: list[tuple[int, Float]] = []
@@ -92,9 +92,6 @@ class Evidence:
         self.blocks = blocks
         self.of = np.array([index for index, _ in self._units])
         self.is_train = self.of < len(self.train)
-        self.shifts = draw_shifts(
-            [(block.motion, block.rate) for block in blocks], draws, np.random.default_rng(seed), rules
-        )
         self._kept: dict[tuple[int, tuple[int, ...]], tuple[slice, Float, Float]] = {}
         self._spans: dict[tuple[int, ...], tuple[Float, list[Float]]] = {}
         self._transforms: dict[tuple[int, tuple[int, ...]], list[tuple[np.ndarray, np.ndarray]]] = {}
@@ -247,6 +244,12 @@ class Evidence:
                     spectra[index] = spectra_of(columns[index], node)
                 self._shift_unit(unit, columns[index], spectra[index], shifts[index], into)
         return Gram(rows, lift)
+
+    @cached_property
+    def shifts(self) -> list[np.ndarray]:
+        """Shifts (draws,) of the placebos in every recording, in samples."""
+        motions, rng = [(block.motion, block.rate) for block in self.blocks], np.random.default_rng(self.seed)
+        return draw_shifts(motions, self.draws, rng, self.rules)
 
     @cached_property
     def different_shifts(self) -> tuple[list[np.ndarray], np.ndarray]:

@@ -120,16 +120,17 @@ def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> 
     shapes = list(term.placed_shape.values())
     if tangent or not shapes:
         return np.zeros((len(prepared), 1, len(shapes)))
+    shared = np.repeat(_product(shapes, term, prepared)[None], len(prepared), axis=0)
     if not any(shape.per_recording and not shape.turns for shape in shapes):
-        return _product(shapes, term, [prepared] * len(prepared))
+        return shared
     # Each recording at its own place, and all of them at the same one: where a recording hardly shows it, its own path
     # says little about where.
-    own = _product(shapes, term, [[recording] for recording in prepared])
-    return np.concatenate([own, _product(shapes, term, [prepared] * len(prepared))], axis=1)
+    return np.concatenate([[_product(shapes, term, [recording]) for recording in prepared], shared], axis=1)
 
 
-def _product(shapes: Sequence[Shape], term: Term, paths: Sequence[Sequence[PreparedRecording]]) -> Float:
-    return np.array([list(itertools.product(*(_axis(s, term, path) for s in shapes))) for path in paths], dtype=float)
+def _product(shapes: Sequence[Shape], term: Term, paths: Sequence[PreparedRecording]) -> Float:
+    """Nodes (V, S) of shapes on the paths of some recordings."""
+    return np.array(list(itertools.product(*(_axis(shape, term, paths) for shape in shapes))), dtype=float)
 
 
 def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Sequence[float]:

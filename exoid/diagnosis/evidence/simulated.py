@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.score import weigh
@@ -36,7 +36,8 @@ def made_by_itself(fitted: FittedModel, floor: Float, seed: int) -> FittedModel:
     made = [_made(fitted, item, shape, np.maximum(floor, 1e-12), rng) for item, shape in pairs]
     count = len(fitted.prepared.train)
     prepared = replace(fitted.prepared, train=tuple(made[:count]), verify=tuple(made[count:]))
-    return fitted_model(identify(fitted.model, prepared.train, optimisers=(), shape=fitted.fit.start), prepared)
+    fit = identify(fitted.model, prepared.train, optimisers=(), shape=fitted.fit.start)
+    return replace(fitted, fit=fit).on(prepared)
 
 
 Simulated = tuple[FittedModel, Evidence]
@@ -77,10 +78,10 @@ def _made(
     dq, ddq = (np.where(one.standing, 0.0, part) for part in derivatives(q, one.rate))
     sign = np.where(one.standing, 0.0, np.sign(dq))
     told = one.direction and replace(one.direction, velocity=dq)
-    true = replace(one, motion=replace(one.motion, q=q, dq=dq, ddq=ddq, sign=sign), direction=told)
+    true = one.changed(motion=replace(one.motion, q=q, dq=dq, ddq=ddq, sign=sign), direction=told)
     torque = true.smooth(model.torque(true.motion, linear, shape))
     seen = true.noisier(rng)
     away = np.where(one.used, torque - seen.smooth(model.torque(seen.motion, linear, shape)), 0.0)
     by_angles = np.sum(away**2, axis=1) / np.maximum(one.used.sum(axis=1), 1)
     sensor = np.sqrt(np.maximum(floor**2 - by_angles, (LEAST_SENSOR * floor) ** 2))
-    return replace(seen, torque=torque + sensor[:, None] * rng.standard_normal(torque.shape))
+    return seen.changed(torque=torque + sensor[:, None] * rng.standard_normal(torque.shape))

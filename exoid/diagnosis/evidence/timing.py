@@ -36,9 +36,9 @@ def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
         base.evaluation_rms < rules.near_noise * base.prepared.noise_floor
     ):
         return None
-    readings, joints = _Readings(base), np.isfinite(share)
+    readings, joints = _Readings(base, rules), np.isfinite(share)
     alone = np.eye(len(share), dtype=bool)[np.nan_to_num(share) > rules.least_share]
-    best = (readings.best(which, rules) for which in (joints, *alone))  # all channels, or that of one joint
+    best = (readings.best(which) for which in (joints, *alone))  # all channels, or that of one joint
     found = next((item for item in best if item is not None), None)
     if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
         return None
@@ -103,7 +103,7 @@ def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) ->
     """
     if any(is_transform(term) for term in without.model.terms):
         return None
-    readings = _Readings(without)
+    readings = _Readings(without, rules)
     seen = readings.now > 0.0
     own = np.isin(np.arange(len(seen)), late)
 
@@ -148,8 +148,8 @@ class _Readings:
     Spikes that a filter smeared are whole again where its inverse was applied, and taken out then.
     """
 
-    def __init__(self, base: FittedModel) -> None:
-        self.train = base.prepared.train
+    def __init__(self, base: FittedModel, rules: Rules) -> None:
+        self.train, self.rules = base.prepared.train, rules
         raw, known = zip(*map(base.unfiltered, range(len(self.train))), strict=True)
         self.known = [each.T for each in known]
         parts = [p.smooth_columns(x) for p, x in zip(self.train, raw, strict=True)]
@@ -170,14 +170,21 @@ class _Readings:
 
     @cached_property
     def coarse(self) -> dict[str, dict[float, Float]]:
-        """Share left (J,) with all torques changed, by kind and by the seconds that are tried."""
-        return {kind: {value: self.left(kind, value) for value in tried} for kind, (_, tried) in CHANGES.items()}
+        """Share left (J,) with all torques changed, by kind and by the seconds that are tried: filters where a delay
+        explains a little, too, as it does of what a filter made late.
+        """
+        found: dict[str, dict[float, Float]] = {}
+        for kind, (_, tried) in CHANGES.items():
+            left = [each for seconds, each in found.get("delay", {}).items() if seconds > 0.0]
+            if kind == "delay" or np.any(np.min(left, axis=0) < self.rules.most * self.now):
+                found[kind] = {value: self.left(kind, value) for value in tried}
+        return found
 
-    def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
+    def best(self, which: np.ndarray) -> _Reading | None:
         """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them, or
         where no fitted torque shows them.
         """
-        now, little = self.now[which], rules.little
+        now, little = self.now[which], self.rules.little
         near = [
             (kind, *least_of(tried.items(), lambda item: item[1][which].sum())) for kind, tried in self.coarse.items()
         ]

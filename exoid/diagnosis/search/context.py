@@ -247,9 +247,9 @@ class SearchContext:
         """Return the names of the terms of a model: what was found against it is kept under them."""
         return tuple(term.name for term in extension.fitted.model.terms)
 
-    def tested(self, extension: Extension, score: Score) -> Score:
-        """Weigh the candidate of `score` anew against the model of `extension`, with placebos."""
-        evidence = self.evidence(extension)
+    def tested(self, extension: Extension, score: Score, draws: int | None = None) -> Score:
+        """Weigh the candidate of `score` anew against the model of `extension`, with so many placebos."""
+        evidence = self.evidence(extension, draws)
         candidate = self.library.find(score.name)
         columns = self.library.columns(candidate, extension.fitted)
         known = {score.name: columns}

@@ -137,7 +137,7 @@ def residual_noise(
 def distance(truth: Rival, rival: Model, prepared: Sequence[PreparedRecording], noise: Noise, start: Float) -> float:
     """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
     made = [recording.smooth(truth.model.torque(recording.motion, truth.linear, truth.shape)) for recording in prepared]
-    told = [replace(item, torque=torque) for item, torque in zip(prepared, made, strict=True)]
+    told = [item.changed(torque=torque) for item, torque in zip(prepared, made, strict=True)]
     assembly = Assembly(rival, told)
     root = [np.sqrt(noise.weight / entry.kept_rate) for entry in prepared]
     weights = np.concatenate(

@@ -111,10 +111,8 @@ def trimmed(windows: Windows, solve: Solver) -> tuple[Float, Mask] | None:
 
 
 def _first(values: Float, most: int) -> Mask:
-    """Return a mask of the `most` smallest in each row of `values` (S, M)."""
-    out = np.zeros(values.shape, dtype=bool)
-    np.put_along_axis(out, np.argsort(values, axis=1, kind="stable")[:, :most], True, axis=1)
-    return out
+    """Return a mask of the `most` smallest in each row of `values` (S, M), and of those as small as the largest."""
+    return np.asarray(values <= np.partition(values, most - 1, axis=1)[:, most - 1, None])
 
 
 def _starts(windows: Windows, most: int) -> Mask:

@@ -133,7 +133,7 @@ def sniff(text: str, *, where: str) -> Layout:
         ("|", "."),
         (",", ","),
     ):
-        if delimiter.strip() and delimiter not in text:
+        if (delimiter.strip() and delimiter not in text) or (delimiter == decimal and '"' not in text):
             continue
         if delimiter not in cut:
             cut[delimiter] = [split_line(entry[2], delimiter) for entry in table]

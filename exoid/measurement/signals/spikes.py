@@ -133,7 +133,8 @@ def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...], averaged: bool) -
     for _ in range(ROUNDS):
         hidden = bad | lost
         clean = straight(x, hidden)
-        found = np.logical_or.reduce([prediction.far(x, clean, hidden, least) for prediction in predictions]) & ~lost
+        far = [prediction.far(x, clean, hidden, least)[0] for prediction in predictions]
+        found = np.logical_or.reduce(far) & ~lost
         if np.array_equal(found, bad):
             break
         bad = found
@@ -151,10 +152,9 @@ def _with_chatter(x: Float, bad: Mask, lost: Mask, least: float) -> Mask:
     for _ in range(ROUNDS):
         hidden = bad | lost
         clean = straight(x, hidden)
-        prediction = _Prediction(SIDE, clean, hidden, least, SPIKE)
-        above = prediction.missed(x, clean) > 0.0
-        against = [np.convolve(bad & side, beside, mode="same") > 0.5 for side in (~above, above)]
-        found = bad | prediction.far(x, clean, hidden, least) & np.where(above, *against) & ~lost
+        far, missed = _Prediction(SIDE, clean, hidden, least, SPIKE).far(x, clean, hidden, least)
+        against = [np.convolve(bad & side, beside, mode="same") > 0.5 for side in (missed <= 0.0, missed > 0.0)]
+        found = bad | far & np.where(missed > 0.0, *against) & ~lost
         if np.array_equal(found, bad):
             break
         bad = found
@@ -193,19 +193,13 @@ class _Prediction:
             if edge.any():
                 self.edges.append((edge, taken))
 
-    def _padded(self, clean: Float) -> Float:
-        ends = 2.0 * clean[0] - clean[self.reach : 0 : -1], 2.0 * clean[-1] - clean[-2 : -self.reach - 2 : -1]
-        return np.concatenate([ends[0], clean, ends[1]])
-
-    def missed(self, x: Float, clean: Float) -> Float:
-        """Return by what the `clean` samples (N,) around each one of `x` (N,) miss it."""
-        return np.asarray(x - np.convolve(self._padded(clean), self.taken[::-1], mode="valid"))
-
-    def far(self, x: Float, clean: Float, hidden: Mask, least: float) -> Mask:
+    def far(self, x: Float, clean: Float, hidden: Mask, least: float) -> tuple[Mask, Float]:
         """Return a mask of the samples of `x` (N,) that are far off what the `clean` ones around them predict, from
-        either side.
+        either side, and by what these miss each (N,).
         """
-        padded, missed = self._padded(clean), self.missed(x, clean)
+        ends = 2.0 * clean[0] - clean[self.reach : 0 : -1], 2.0 * clean[-1] - clean[-2 : -self.reach - 2 : -1]
+        padded = np.concatenate([ends[0], clean, ends[1]])
+        missed = x - np.convolve(padded, self.taken[::-1], mode="valid")
         size = np.abs(missed)
         at = np.flatnonzero(size > self.bound * _usual(size, hidden, least))
         rows = padded[at[:, None] + np.arange(2 * self.reach + 1)]
@@ -216,7 +210,7 @@ class _Prediction:
         for edge, taken in self.edges:
             size = np.abs(x - np.convolve(padded, taken[::-1], mode="valid"))
             out = np.where(edge, size > self.bound * _usual(size, hidden, least), out)
-        return out
+        return out, missed
 
 
 def _fitted(offsets: NDArray[Any], clean: Float, hidden: Mask, least: float) -> Float:

@@ -8,7 +8,6 @@ judged on the half of it that they were not fitted to; the linear parameters nev
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,7 +61,7 @@ def own_of_halves(fit: Fit, one: PreparedRecording) -> Float:
     """
     own = own_shapes(fit.model)
     early = np.arange(one.used.shape[1]) < one.used.shape[1] // 2
-    halves = (replace(one, used=one.used & part) for part in (~early, early))
+    halves = (one.changed(used=one.used & part) for part in (~early, early))
     return np.array([_fit_own(fit, half, own) for half in halves])
 
 

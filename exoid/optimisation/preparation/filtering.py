@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -137,8 +138,12 @@ class PreparedRecording:
     def beside_own(self, known: Float) -> PreparedRecording:
         """Return the recording without a torque `known` (N, J) N·m that belongs to it alone and to no model."""
         read = None if self.read is None else replace(self.read, tau=self.read.tau - known)
-        new = replace(self, torque=self.torque - self.smooth(known), wide_tau=self.wide_tau - known, read=read)
-        vars(new)["_bridges"] = self._bridges  # the same samples are hidden
+        return self.changed(torque=self.torque - self.smooth(known), wide_tau=self.wide_tau - known, read=read)
+
+    def changed(self, **values: Any) -> PreparedRecording:
+        """Return the recording with other values of its fields, the same samples hidden: their bridges are kept."""
+        new = replace(self, **values)
+        vars(new)["_bridges"] = self._bridges
         return new
 
     def with_spikes(self) -> PreparedRecording:
@@ -199,7 +204,7 @@ class PreparedRecording:
         sign = np.where(self.standing, 0.0, np.tanh((told.velocity + faster) / width))
         force = None if old.force is None else self._noisier_force(old.force, rng)
         motion = replace(old, q=old.q + added, dq=old.dq + dq, ddq=old.ddq + ddq, sign=sign, force=force)
-        return replace(self, motion=motion)
+        return self.changed(motion=motion)
 
     def _noisier_force(self, force: Float, rng: np.random.Generator) -> Float:
         """Return measured forces (N, C) with noise of the size that the top of their spectrum shows."""
