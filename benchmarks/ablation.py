@@ -33,6 +33,8 @@ from benchmarks.arena.__main__ import answered  # noqa: E402 - the repository mu
 from benchmarks.arena.cases import names  # noqa: E402
 from benchmarks.arena.referee import right  # noqa: E402
 from benchmarks.baselines import read_lines  # noqa: E402
+from exoid.diagnosis import doubts  # noqa: E402
+from exoid.ground.folder import names_in  # noqa: E402
 
 Line = dict[str, Any]
 
@@ -44,6 +46,11 @@ class Switch:
     module: str
     name: str
     off: Callable[..., Any]
+
+    @property
+    def rule(self) -> str:
+        """Name of the rule: of a doubt, that of its file."""
+        return self.module.rpartition(".")[2] if self.name == "doubt" and "." in self.module else self.name.lstrip("_")
 
     @property
     def function(self) -> Callable[..., Any]:
@@ -74,33 +81,21 @@ def _switches() -> Iterator[Switch]:
     yield Switch("search.take_back", "_of_filter", _says(False))
     yield Switch("evidence.score", "harmless", _says(True))
     yield Switch("evidence.ranking", "_outvoted", _says(False))
-    yield Switch("evidence.soft_drive", "plainly_soft", _says(None))
     yield Switch("evidence.soft_drive", "soft_drive", _says(None))
     yield Switch("evidence.own_sway", "own_sway", _says(None))
     yield Switch("evidence.swinging", "swinging", _says(None))
     yield Switch("evidence.timing", "filtered", _says(None))
-    yield Switch("evidence.timing", "late_torque", _says(None))
-    yield Switch("evidence.apart", "apart", _says(()))
+    yield Switch("evidence.apart", "odd_ones", _says(()))
     yield Switch("evidence.intermittent", "intermittent", _says(None))
-    yield Switch("evidence.pushes", "turned_force", _says(None))
-    for name in ("_noisy_angles", "_driven_by_friction", "_follows_the_angles"):
-        yield Switch("evidence.channels", name, _says(None))
-    for name in ("_unexplained_torque", "_impossible_base", "_another_machine"):
-        yield Switch("evidence.channels", name, _says(None))
-    yield Switch("verdict", "_on_fitted_motion_only", _says(""))
+    for name in names_in(doubts):
+        yield Switch(f"doubts.{name}", "doubt", _says(None))
+    yield Switch("verdict", "_far_where_fitted", _says([]))
     yield Switch("verdict", "within_filter_error", _says(None))
 
 
 def switches() -> dict[str, Switch]:
-    """Return every switch that this version has, by the name of its rule."""
-    return {one.name.lstrip("_"): one for one in _switches() if _known(one)}
-
-
-def _known(switch: Switch) -> bool:
-    try:
-        return callable(switch.function)
-    except (ImportError, AttributeError):
-        return False
+    """Return every switch, by the name of its rule."""
+    return {one.rule: one for one in _switches()}
 
 
 @contextmanager
@@ -133,7 +128,7 @@ def _counted(switch: Switch, fired: set[str]) -> Callable[..., Any]:
         quiet = switch.off(*arguments, **named)
         same = answer.names == quiet.names if hasattr(answer, "names") and hasattr(quiet, "names") else answer == quiet
         if not (isinstance(same, bool) and same):
-            fired.add(switch.name.lstrip("_"))
+            fired.add(switch.rule)
         return answer
 
     return asked

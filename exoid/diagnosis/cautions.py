@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from exoid.diagnosis.doubts import doubts_before, doubts_first
 from exoid.diagnosis.evidence.best_effects import may_leave_noise
-from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
-from exoid.diagnosis.evidence.channels import COLUMNS, doubts_before, filtered_angles, finite
+from exoid.diagnosis.evidence.channel_doubt import COLUMNS, Doubt, finite, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
 from exoid.diagnosis.evidence.model_error import times_noise
@@ -25,7 +25,7 @@ def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
     """Return as a warning what makes the model no answer; () where nothing does."""
     if fitted.prepared.misread:
         return ()
-    wrong = filtered_angles(fitted, rules)
+    wrong = doubts_first(fitted, rules)
     outside = None if wrong is not None else intermittent(fitted, rules)
     if outside is not None and not may_leave_noise(fitted, rules):
         return (Finding(OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), EVERY, remedy=ADVICE),)

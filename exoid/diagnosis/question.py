@@ -8,8 +8,8 @@ from typing import TypeGuard
 
 import numpy as np
 
+from exoid.diagnosis.doubts import doubts_after, doubts_before, doubts_first
 from exoid.diagnosis.evidence.best_effects import as_given, may_leave_noise
-from exoid.diagnosis.evidence.channels import doubts_after, doubts_before, filtered_angles
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
 from exoid.diagnosis.evidence.library import build_library
@@ -99,7 +99,7 @@ class Question:
             if self._is_explained(rival) and not self._takes_fewer(rival, prepared.misread, read, tick):
                 return rival
             return self._answered(base, check_channels(prepared.misread), tick)
-        if (wrong := filtered_angles(base, self.rules)) is not None:
+        if (wrong := doubts_first(base, self.rules)) is not None:
             return self._answered(base, doubted(wrong), tick)
         if (outside := intermittent(base, self.rules)) is not None:
             rival = self._searched(base, tick) if may_leave_noise(base, self.rules) else None

@@ -11,8 +11,8 @@ from scipy.signal import lfilter
 from exoid.diagnosis.cautions import OWN, cautions
 from exoid.diagnosis.comparison import compare
 from exoid.diagnosis.discovery import discover
+from exoid.diagnosis.doubts import doubts_after, doubts_before
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
-from exoid.diagnosis.evidence.channels import doubts_after, doubts_before
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import model_error
 from exoid.diagnosis.evidence.repeats import repeats

@@ -9,8 +9,9 @@ import pytest
 
 from exoid.diagnosis.comparison import compare
 from exoid.diagnosis.discovery import discover
+from exoid.diagnosis.doubts import doubts_before
 from exoid.diagnosis.evidence.fitted import fitted_model
-from exoid.diagnosis.evidence.pushes import turned_force, wanted_gains
+from exoid.diagnosis.evidence.pushes import wanted_gains
 from exoid.measurement.auditing.audit import audit
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs
@@ -62,10 +63,10 @@ def fitted(recordings):
 
 @pytest.mark.parametrize("turned", ["f1", "f2"])
 def test_a_force_that_is_turned_round_is_doubted_and_no_other(worn, turned):
-    assert turned_force(fitted(worn)) is None
+    assert doubts_before(fitted(worn)) is None
     wrong = [replace(one, forces={**one.forces, turned: -one.forces[turned]}) for one in worn]
     base = fitted(wrong)
-    doubt = turned_force(base)
+    doubt = doubts_before(base)
     assert doubt is not None and f"{turned}=-N" in doubt.remedy
     gains = {gain.force.columns[0]: gain.gain for gain in wanted_gains(base)}
     assert gains[turned] < -0.5

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis.comparison import compare
+from exoid.diagnosis.doubts import doubts_before
 from exoid.diagnosis.evidence.fitted import fitted_model
-from exoid.diagnosis.evidence.pushes import turned_force
 from exoid.ground.errors import EffectError
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.forces import usual_forces
@@ -126,9 +126,9 @@ def test_recordings_of_a_pushed_arm_are_explained_by_their_sensor():
     with_it, without = compare(model, runs), compare(ARM, runs)
     assert "in the frame of j3" in with_it.forces[0].sentence and with_it.forces[0].at == FLANGE.at
     assert np.all(with_it.fit.rms < 0.5 * without.fit.rms)
-    doubt = turned_force(fitted(ARM.with_forces(replace(FLANGE, sign=-1)), runs))
+    doubt = doubts_before(fitted(ARM.with_forces(replace(FLANGE, sign=-1)), runs))
     assert "counts the other way round" in doubt.sentence and "along the axes" in doubt.sentence
-    assert "wrench_torque_x=-Nm" in doubt.remedy and turned_force(fitted(model, runs)) is None
+    assert "wrench_torque_x=-Nm" in doubt.remedy and doubts_before(fitted(model, runs)) is None
 
 
 def test_exported_code_takes_the_wrench(tmp_path):

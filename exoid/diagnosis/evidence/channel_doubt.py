@@ -1,15 +1,22 @@
-"""A doubt about channels that cannot be what they say, and the share of each torque that a model leaves."""
+"""A doubt about channels that cannot be what they say, and what it is judged by: how much of each torque is left."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gram import left_of
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.motion import Float
+
+COLUMNS = (
+    "check the columns and their order (--map), units (--units), the signs and zeros of angles and torques, and "
+    "whether torque and motion are of the same run; draw them over time, or start with a slow motion of one joint"
+)
+"""What to do about a torque that is not that of the machine."""
 
 
 @dataclass(frozen=True)
@@ -53,3 +60,21 @@ def _means(rows: Sequence[Float], recordings: Sequence[PreparedRecording]) -> Fl
     use = np.concatenate([item.used & item.driven[:, None] for item in recordings], axis=1)
     count = use.sum(axis=1)
     return np.asarray(np.sum(np.concatenate(rows, axis=1), axis=1, where=use) / np.where(count > 0, count, np.nan))
+
+
+def finite(share: Float, joints: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Joints of which something can be left, with the share that is."""
+    return ((joint, float(x)) for joint, x in zip(joints, share, strict=True) if np.isfinite(x))
+
+
+def left_beside(fitted: FittedModel, columns: Sequence[Float], joint: int) -> tuple[Float, Float, Float]:
+    """A torque where its joint moves in fitted motion, what the model leaves of it, and what `columns` (J, K, P) of
+    each recording do.
+    """
+    train, residuals = fitted.prepared.train, fitted.residuals
+    seen = [item.used[joint] & (item.driven[joint] and not item.standing[joint]) for item in train]
+    tau, left, rows = (
+        np.concatenate([part[joint][use] for part, use in zip(parts, seen, strict=False)])
+        for parts in ([item.torque for item in train], residuals, columns)
+    )
+    return tau, left, left_of(rows, tau)

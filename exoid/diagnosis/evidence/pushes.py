@@ -6,12 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.rules import RULES, Rules
-from exoid.measurement.recording import force_unit
 from exoid.optimisation.linear.factor import factorise
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.force import Force
@@ -39,33 +36,6 @@ def wanted_gains(base: FittedModel) -> tuple[WantedGain, ...]:
         return ()
     evidence = base.evidence(seed=0, draws=0)
     return tuple(found for force in base.model.forces if (found := _wanted(force, base, evidence)) is not None)
-
-
-def turned_force(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
-    """Force that counts the other way round than its columns say; None where none does."""
-    turned = [
-        gain
-        for gain in wanted_gains(base)
-        if gain.gain + rules.robust * gain.deviation < -rules.half
-        and gain.share > rules.little
-        and gain.force.gain is not None
-    ]
-    if not turned:
-        return None
-    names = " and ".join(entry.force.name for entry in turned)
-    units = {"N·m": "Nm", "N": "N"}
-    columns = [name for item in turned for name in item.force.columns]
-    options = ",".join(f"{name}=-{units[force_unit(name)]}" for name in columns)
-    space = any(element.force.in_space for element in turned)
-    positive = "along the axes of their sensor or the base" if space else "forwards and upwards"
-    gains = ", ".join(f"{entry.gain:.2g}" for entry in turned)
-    return Doubt(
-        f"the torques want the {names} multiplied by {gains}",
-        f"The {names} counts the other way round: forces act on the machine and are positive {positive}, and "
-        f"the torques agree with {', '.join(columns)} only when multiplied by {gains}.",
-        f"--units {options}, or sign = -1 in [[forces]]; where only some columns are turned round, those alone",
-        1.0 - max(entry.share for entry in turned),
-    )
 
 
 def _wanted(force: Force, base: FittedModel, evidence: Evidence) -> WantedGain | None:

@@ -8,7 +8,7 @@ import pytest
 from exoid.apps.campaign.trials.cases import Case, cases, hide, simulated, singles, subject, visible
 from exoid.apps.campaign.trials.chains import CHAINS
 from exoid.apps.campaign.trials.count import HEADS, counted, describe_miss
-from exoid.diagnosis.evidence.channels import doubts_before
+from exoid.diagnosis.doubts import doubts_before
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.library import Library, build_library

@@ -1,0 +1,28 @@
+"""Noise of the encoders leaves no accelerations worth the name."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid.diagnosis.doubts import BEFORE, Asked
+from exoid.diagnosis.evidence.channel_doubt import Doubt
+
+WHEN, ORDER = BEFORE, 10
+
+
+def doubt(asked: Asked) -> Doubt | None:
+    """Doubt where noise makes too much of the accelerations at the slowest useful cut-off."""
+    prepared, names = asked.base.prepared, asked.base.model.joint_names
+    share = prepared.acceleration_noise
+    if not share > asked.rules.angle_noise:
+        return None
+    density = np.max([recording.angle_noise * 0.5 * recording.full_rate for recording in prepared.train], axis=0)
+    size = " and ".join(f"{x:.2g}" for x in np.sqrt(density)) + f" rad at {' and '.join(names)}"
+    return Doubt(
+        f"noise of the angles makes {100 * share:.0f} % of the accelerations, at {prepared.choice.cutoff:g} Hz",
+        f"The angles are too noisy for their accelerations ({size}): at the slowest useful cut-off "
+        f"noise makes {100 * share:.0f} % of them, so every inertia comes out too small by about that part, and "
+        "whatever smooths the model looks like an effect.",
+        "check the encoders and the columns of the angles; record faster motion, or repeat one periodic motion many "
+        "times and use --derivative fourier",
+    )
