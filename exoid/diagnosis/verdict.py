@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -380,14 +380,19 @@ def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
     return ", ".join(f"{joint.name} {digits(b)} to {digits(a)} {joint.unit('tau')}" for joint, b, a in falls)
 
 
-def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:
-    """Return e.g. "Stribeck friction at the knee (extra friction at creeping speed 2.2 ± 0.1 N·m, ...)"."""
+def sentence_of(term: Term, numbers: Mapping[str, Estimate], unknown: Collection[str] = ()) -> str:
+    """Return e.g. "Stribeck friction at the knee (extra friction at creeping speed 2.2 ± 0.1 N·m, ...)"; `unknown` are
+    the numbers, by their names in full, that are known only together with others.
+    """
     parts = []
     own = {n for n, s in term.placed_shape.items() if s.per_recording and (s.turns or s.spacing == "position")}
     for name, e in numbers.items():
         if name in own:
             what = number_called(term.effect, name)
             parts.append(f"{what} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
+            continue
+        if e.name in unknown:
+            parts.append(f"{number_called(term.effect, name)} not known by itself")
             continue
         half = 0.5 * (e.high - e.low)
         known = half if np.isfinite(half) and half > 0.0 else None

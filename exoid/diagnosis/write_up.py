@@ -25,6 +25,7 @@ from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.doubt import known_with_shape
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
 from exoid.ground.ties import ascending
@@ -113,7 +114,7 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
                 p_value=float(score.p_value or 1.0),
                 rms_before=before.fitted.evaluation_rms,
                 rms_after=extension.fitted.evaluation_rms,
-                sentence=sentence_of(term, numbers),
+                sentence=sentence_of(term, numbers, known_with_shape(last.fitted, term.name)),
                 left=float(times[list(score.candidate.joints)].max()),
                 share=share,
             )

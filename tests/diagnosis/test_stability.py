@@ -18,9 +18,10 @@ from exoid.diagnosis.evidence.repeats import Repeats
 from exoid.diagnosis.evidence.stability import Splits, splits_of
 from exoid.diagnosis.results import stability_of
 from exoid.diagnosis.rules import RULES
-from exoid.diagnosis.search.doubt import Objection, doubt, on_bound, undetermined
+from exoid.diagnosis.search.doubt import Objection, doubt, known_with_shape, on_bound, undetermined
 from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.search.possible import agreements_of, possible_of
+from exoid.diagnosis.verdict import sentence_of
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.symbolic.effect_catalogue import catalogue
@@ -163,6 +164,9 @@ def test_a_peak_of_which_only_the_flank_shows_is_there_all_the_same(correlation,
     wide = replace(fit.estimate("stribeck:hip.c"), low=-value, high=3.0 * value)
     after = replace(after, fit=replace(fit, estimates=(wide,), covariance=spread))
     assert (undetermined(after, "stribeck:hip") == "") is shown
+    unknown = known_with_shape(after, "stribeck:hip")
+    said = sentence_of(after.model.terms[-1], {"c": wide}, unknown)
+    assert ("not known by itself" in said) is shown is bool(unknown)
 
 
 def test_what_few_splits_support_is_listed_as_possible():

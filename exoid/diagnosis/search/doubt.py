@@ -131,6 +131,14 @@ def undetermined(fitted: FittedModel, name: str) -> str:
     return f"{text}: the interval contains zero"
 
 
+def known_with_shape(fitted: FittedModel, name: str) -> frozenset[str]:
+    """Names in full of the coefficients of the term `name` that are known only together with its shape: beside one that
+    is known their intervals would not contain zero.
+    """
+    found = (e for e in _coefficients(fitted, name) if np.isfinite([e.low, e.high]).all() and _around_zero(e))
+    return frozenset(e.name for e in found if not _around_zero(e, _at_its_shape(fitted, name, e.name)))
+
+
 def _coefficients(fitted: FittedModel, name: str) -> list[Estimate]:
     """Estimates of the coefficients of the term `name`, in the order of the model."""
     known = {e.name: e for e in fitted.fit.estimates}
