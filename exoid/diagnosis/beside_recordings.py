@@ -69,12 +69,13 @@ def answer_beside_recordings(
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
     """True if a `rival` beside numbers of recordings may stand in place of an answer without; where more than noise is
-    left beside these, only of one that leaves more, too, and of no effect unless they are the `main` explanation.
+    left beside these, only of one that leaves more, too, and with its effects unless they are the `main` explanation.
     """
     if rival.verdict == "check_channels" or rival.outside:
         return False
     if _leaves_more(rival):
-        return _leaves_more(answer) and (main or bool(rival.accepted) or not answer.accepted)
+        kept = {effect.name for effect in answer.accepted} <= {effect.name for effect in rival.accepted}
+        return _leaves_more(answer) and (main or kept)
     # What is another machine's is explained by as many numbers as a machine has.
     return answer.error is not None or not own.of_a_machine(answer.left_out)
 

@@ -86,6 +86,20 @@ def test_a_load_taken_up_midway_is_no_clock(part):
     assert not [one for one in discover(Model(), given[:3], given[3:]).of_recordings if "clock" in one.what]
 
 
+@pytest.mark.parametrize("late", [0.02, -0.03])
+def test_torques_that_come_late_from_a_moment_on_are_no_other_rate(late):
+    given = runs()
+    one = given[1]
+    middle = 0.5 * (one.t[0] + one.t[-1])
+    at = one.t - late * (one.t > middle)
+    given[1] = replace(one, tau=np.column_stack([np.interp(at, one.t, column) for column in one.tau.T]))
+    answer = discover(Model(), given[:3], given[3:])
+    (told,) = answer.of_recordings
+    assert answer.verdict == "adequate" and told.what == "clock_offset"
+    assert told.values[one.name].value == pytest.approx(late, abs=0.003)
+    assert told.spans[one.name][0] == pytest.approx(middle, abs=0.3)
+
+
 def filtered(hertz):
     """What a file holds whose angles were filtered at so many Hz."""
     return lambda one: replace(one, q=np.round(low_pass(one.q, hertz, one.rate), 8))

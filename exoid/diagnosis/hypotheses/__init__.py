@@ -29,7 +29,8 @@ TINY = 1e-6
 class Seen:
     """A model on one recording: its `columns` (J, K, P) at its `linear` numbers (P,), its `torque` (J, K) N·m, at the
     times `t` (K,) s; filtered like the measured torque, or before the filter. `logged` are further columns, the
-    recording `began` at so many s. `number` is that of a claim, where its pieces bend with it: 0 at first.
+    recording `began` at so many s. `number` is that of a claim, where its pieces bend with it: 0 at first. `rising` is
+    the slope (J, K) of the torque over time as it passes the filter; None where that of the torque itself is it.
     """
 
     model: Model
@@ -40,6 +41,7 @@ class Seen:
     logged: Mapping[str, Logged]
     began: float
     number: float = 0.0
+    rising: Float | None = None
 
 
 Node = tuple[float, ...]
@@ -76,8 +78,10 @@ class Claim:
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
     the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,),
     and the last piece is added whatever its number. `everyone`: each recording has one of its own; `common`: all have
-    the same; otherwise those have one that differ from the others, and the same where it is `shared`. `of` is what else
-    its sentence tells, `shown` how many of another unit its own is, in which it is said.
+    the same; otherwise those have one that differ from the others, and the same where it is `shared`; it may begin
+    within a recording, unless it is of the `whole`. What is `unlike` another hypothesis must beat it where all have the
+    same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how many of another unit
+    its own is, in which it is said.
     """
 
     what: str
@@ -91,6 +95,8 @@ class Claim:
     everyone: bool = False
     shared: bool = False
     common: bool = False
+    whole: bool = False
+    unlike: str = ""
     nodes: tuple[Node, ...] = ((),)
     mix: Callable[[Node], Float] = _alone
     of: str = ""
@@ -130,11 +136,11 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
 
 
 def moving(
-    what: str, unit: str, when: Callable[[Seen], Float], most: float, shown: tuple[float, str], *, common: bool = False
+    what: str, unit: str, when: Callable[[Seen], Float], most: float, shown: tuple[float, str]
 ) -> Claim:
     """Claim that all torques are those of other times (K,), by a number of at most `most`."""
     pieces, bounds = partial(_moved, when), (-most, most)
-    return Claim(what, None, unit, pieces, bounds, factor=True, moves=when, common=common, mix=_first, shown=shown)
+    return Claim(what, None, unit, pieces, bounds, factor=True, moves=when, mix=_first, shown=shown)
 
 
 def _first(at: Node) -> Float:
@@ -145,7 +151,7 @@ def _moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
     """Return by what the torque changes with the number, at that known already, and what that change lacks so far."""
     slope = (when(replace(seen, number=seen.number + TINY)) - when(seen)) / TINY
     if not seen.number:
-        rises = np.gradient(seen.torque, seen.t, axis=1) * slope
+        rises = slope * (np.gradient(seen.torque, seen.t, axis=1) if seen.rising is None else seen.rising)
         return np.stack([rises, np.zeros(rises.shape)], axis=2)
     from scipy.interpolate import CubicSpline
 

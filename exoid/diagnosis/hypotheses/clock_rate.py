@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed, moving, sides
 from exoid.symbolic.model import Model
@@ -14,8 +15,9 @@ MOST = 0.05
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another rate of the torques' clock, the same in all recordings, and that of some."""
-    alone, of_all = (moving("clock_rate", "1", _fast, MOST, (1e2, "%"), common=common) for common in (False, True))
-    return alone, of_all
+    claim = moving("clock_rate", "1", _fast, MOST, (1e2, "%"))
+    # No clock begins to run at another rate, and a delay that all have is the machine's.
+    return replace(claim, whole=True), replace(claim, common=True, unlike="clock_offset")
 
 
 def _fast(seen: Seen) -> Float:

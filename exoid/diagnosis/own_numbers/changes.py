@@ -61,10 +61,13 @@ def sharpened(fits: Fits, state: State) -> Cuts:
     for k, parts in enumerate(fits.everyone):
         if len(parts) < 2 or np.array_equal(own[parts[0]], own[parts[1]]):
             continue
-        rows = np.concatenate([fits.rows[j] for j in parts], axis=1)
-        before, after = (
-            huber_terms(np.abs(rows @ own[j]) / fits.sigma[:, None], fits.rules.robust).sum(axis=0) for j in parts
-        )
+        rows, losses = np.concatenate([fits.rows[j] for j in parts], axis=1), []
+        for j in parts:
+            for claim, number in fits.numbers_of(state, step, j).items():
+                if claim.moves:  # which bends with its number
+                    rows[:, :, fits.place[claim]] = fits.pieces(claim, k, number) * fits.blocks[k].use[:, :, None]
+            losses.append(huber_terms(np.abs(rows @ own[j]) / fits.sigma[:, None], fits.rules.robust).sum(axis=0))
+        before, after = losses
         least = int(LEAST * fits.now.prepared.all[k].kept_rate)
         change = np.cumsum(before - after)[least - 1 : len(before) - least]
         found[k] = least + int(np.argmin(change))

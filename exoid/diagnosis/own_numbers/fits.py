@@ -47,6 +47,7 @@ class Fits:
         self.parts = parts_of(self.blocks, cuts)
         self.linear = now.linear
         self.torques = [now.torque(k) for k in range(len(self.blocks))]
+        self.rising = [self._rising(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, state_columns(now))
         self.seen = [self._seen(k) for k in range(len(self.blocks))]
         pieces = [[claim.pieces(seen) for claim in self.claims] for seen in self.seen]
@@ -121,25 +122,32 @@ class Fits:
 
     def _seen(self, k: int) -> Seen:
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
-        torque = self.torques[k] + columns @ (self.linear - now.linear)
-        recording = now.prepared.all[k]
+        moved, recording = self.linear - now.linear, now.prepared.all[k]
+        torque, rising = self.torques[k] + columns @ moved, self.rising[k] @ np.append(moved, 1.0)
         began = float(recording.motion.t[0])
-        return Seen(now.model, self.linear, columns, torque, recording.t, recording.logged, began)
+        return Seen(now.model, self.linear, columns, torque, recording.t, recording.logged, began, rising=rising)
+
+    def _rising(self, k: int) -> Float:
+        """Return the filtered slopes (J, K, P + 1) over time of the model's columns on a recording, and of its torque:
+        where friction turns its sign samples are hidden, and no slope of what passed the filter knows that.
+        """
+        recording = self.now.prepared.all[k]
+        seen = seen_before_filter(self.now, recording, self.linear, self.now.shapes[k])
+        both = np.concatenate([seen.columns, seen.torque[:, :, None]], axis=2)
+        return recording.smooth_columns(np.gradient(both, seen.t, axis=1))
 
     def _place_factors(self, state: State, step: Float) -> None:
         """Have what multiplies a torque of the model do so at numbers (Q,) of the model and of the state."""
         self.linear = self.now.linear + step[: len(self.linear)]
         self.seen = [self._seen(k) for k in range(len(self.blocks))]
-        groups = [(held.claim, group) for held in state for group in held.groups]
         factors = [claim for claim in self.claims if claim.factor]
         for j, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
-            own = zip(groups, step[self.count :], strict=True)
-            numbers = {claim: float(np.clip(x, *claim.bounds)) for (claim, group), x in own if j in group}
+            numbers = self.numbers_of(state, step, j)
             for claim in factors:
-                pieces = self._pieces(claim, part.recording, numbers.get(claim, 0.0))
+                pieces = self.pieces(claim, part.recording, numbers.get(claim, 0.0))
                 rows[:, :, self.place[claim]] = pieces[:, part.kept] * use[:, :, None]
 
-    def _pieces(self, claim: Claim, k: int, number: float, alone: int | None = None) -> Float:
+    def pieces(self, claim: Claim, k: int, number: float, alone: int | None = None) -> Float:
         """Pieces (J, K, m) of a claim on a recording, where its number is known already; of one number `alone` of the
         model. What moves a torque in time does so before the filter, which bridges samples where they are.
         """
@@ -148,9 +156,17 @@ class Fits:
         if early:
             seen = seen_before_filter(self.now, recording, self.linear, self.now.shapes[k])
         if alone is not None:
-            seen = replace(seen, linear=np.eye(len(self.linear))[alone], torque=seen.columns[:, :, alone])
+            rising = None if early else self.rising[k][:, :, alone]
+            unit = np.eye(len(self.linear))[alone]
+            seen = replace(seen, linear=unit, torque=seen.columns[:, :, alone], rising=rising)
         pieces = claim.pieces(replace(seen, number=number))
         return recording.smooth_columns(pieces) if early else pieces
+
+    def numbers_of(self, state: State, step: Float, j: int) -> dict[Claim, float]:
+        """Numbers of the claims that hold of a part (index), of those (Q,) of the model and of the state."""
+        groups = [(held.claim, group) for held in state for group in held.groups]
+        own = zip(groups, step[self.count :], strict=True)
+        return {claim: float(np.clip(x, *claim.bounds)) for (claim, group), x in own if j in group}
 
     def slopes(self, state: State, numbers: Float) -> list[Float]:
         """Derivatives (J, K, P) of what `state` adds to each part by the model's numbers, at its own `numbers` (C,)."""
@@ -160,7 +176,7 @@ class Fits:
             slope = np.zeros((*use.shape, len(self.linear)))
             for (held, group), number in zip(groups, numbers.tolist(), strict=True):
                 for p in range(len(self.linear)) if held.claim.factor and j in group else ():
-                    pieces = self._pieces(held.claim, part.recording, number, p)
+                    pieces = self.pieces(held.claim, part.recording, number, p)
                     added = number * pieces[:, part.kept, 0]
                     added += pieces[:, part.kept, -1] if held.claim.moves else 0.0
                     slope[:, :, p] += added * use

@@ -88,8 +88,12 @@ class _Search:
     def __init__(self, fits: Fits) -> None:
         self.fits, self.rules, self.many = fits, fits.rules, len(fits.parts)
         # On little motion what single recordings have looks as real as any effect that is not there.
-        little = bool(little_motion(fits.now.prepared, self.rules))
-        self.claims = [claim for claim in fits.claims if claim.everyone or claim.common or not little]
+        little, cut = bool(little_motion(fits.now.prepared, self.rules)), bool(fits.cuts)
+        self.claims = [
+            claim
+            for claim in fits.claims
+            if claim.everyone or claim.common or not (little or (cut and claim.whole))
+        ]
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
         questions = sum(1 if claim.everyone or claim.common else self.many for claim in self.claims)
@@ -118,7 +122,7 @@ class _Search:
                     best = simple
                     break
             self.fits.weigh(best)
-            if not self.fits.pays(state, best, self.clear) or self._is_a_curve(state, best[-1]):
+            if not self.fits.pays(state, best, self.clear) or self._is_the_machines(state, best[-1]):
                 break
             state = best
         self.fits.weigh(state)
@@ -151,16 +155,19 @@ class _Search:
             state = tuple(at_best_node(self.fits, others, other) if other is item else other for other in state)
         return state
 
-    def _is_a_curve(self, rest: State, held: Claimed) -> bool:
-        """True if one curve in its joint's velocity, the same in all recordings, explains what a claim does: where each
-        recording has a speed of its own, friction that depends on speed looks like friction that differs.
+    def _is_the_machines(self, rest: State, held: Claimed) -> bool:
+        """True if what all recordings may have alike explains what a claim does: one curve in its joint's velocity, as
+        where each recording has a speed of its own friction that depends on speed looks like friction that differs; or
+        what the claim is `unlike`.
         """
-        curve = self.fits.curve(held.claim.place)
-        if not curve:
-            return False
-        self.fits.weigh((*rest, held))
-        explains = total(self.fits.losses((*rest, *curve))) < total(self.fits.losses(rest))
-        return explains and not self.fits.pays((*rest, *curve), (*rest, held), self.clear)
+        alike = [claim for claim in self.fits.claims if claim.what == held.claim.unlike]
+        rivals = [self.fits.curve(held.claim.place), tuple(Claimed(claim, claim.nodes[0], self.all) for claim in alike)]
+        for rival in filter(None, rivals):
+            self.fits.weigh((*rest, held))
+            explains = total(self.fits.losses((*rest, *rival))) < total(self.fits.losses(rest))
+            if explains and not self.fits.pays((*rest, *rival), (*rest, held), self.clear):
+                return True
+        return False
 
     def _common(self, state: State) -> list[Claimed]:
         """The claims that are not held of which all recordings have the same number, where that can be."""
