@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from exoid.diagnosis.doubts import BEFORE, Asked
-from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.evidence.channel_doubt import Doubt, turned_round
 
 WHEN, ORDER = BEFORE, 40
-UNITS = {"N·m": "Nm"}
 
 
 def doubt(asked: Asked) -> Doubt | None:
@@ -20,8 +19,9 @@ def doubt(asked: Asked) -> Doubt | None:
     if not found:
         return None
     names = " and ".join(joint.name for _, joint in found)
-    torques = ",".join(f"tau{k + 1}=-{UNITS.get(joint.unit('tau'), joint.unit('tau'))}" for k, joint in found)
-    angles = ",".join(f"q{k + 1}=-{joint.unit('q')}" for k, joint in found)
+    torques, angles = (
+        turned_round((f"{quantity}{k + 1}", joint.unit(quantity)) for k, joint in found) for quantity in ("tau", "q")
+    )
     return Doubt(
         f"dry and viscous friction of the {names} are negative, and the interval of the dry one excludes 0",
         f"Friction would have to drive the {names}, where friction can only brake: torque and angle are not counted in "

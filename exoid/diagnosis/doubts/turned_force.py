@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from exoid.diagnosis.doubts import BEFORE, Asked
-from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.evidence.channel_doubt import Doubt, turned_round
 from exoid.diagnosis.evidence.pushes import wanted_gains
 from exoid.measurement.recording import force_unit
 
 WHEN, ORDER = BEFORE, 20
-UNITS = {"N·m": "Nm", "N": "N"}
 
 
 def doubt(asked: Asked) -> Doubt | None:
@@ -25,7 +24,7 @@ def doubt(asked: Asked) -> Doubt | None:
         return None
     names = " and ".join(entry.force.name for entry in turned)
     columns = [name for item in turned for name in item.force.columns]
-    options = ",".join(f"{name}=-{UNITS[force_unit(name)]}" for name in columns)
+    options = turned_round((name, force_unit(name)) for name in columns)
     space = any(element.force.in_space for element in turned)
     positive = "along the axes of their sensor or the base" if space else "forwards and upwards"
     gains = ", ".join(f"{entry.gain:.2g}" for entry in turned)

@@ -151,7 +151,8 @@ def _plain(own: Float, others: Float, rules: Rules) -> NDArray[np.bool_]:
 def _power(base: FittedModel) -> Float:
     """Return the variance (J,) of the torque of each joint, the median of the recordings; NaN for one without drive."""
     each = np.array([variance_known([item]) for item in base.prepared.all]).T
-    return np.array([np.median(row[~np.isnan(row)]) if np.isfinite(row).any() else np.nan for row in each])
+    known = [row[np.isfinite(row)] for row in each]
+    return np.array([np.median(row) if row.size else np.nan for row in known])
 
 
 def _shares(fitted: FittedModel) -> Float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,11 @@ class Doubt:
     sentence: str
     remedy: str
     share: float = 0.0
+
+
+def turned_round(columns: Iterable[tuple[str, str]]) -> str:
+    """Return the option of `--units` that turns `columns` round, each given with its unit as it is printed."""
+    return ",".join(f"{name}=-{unit.replace('·', '')}" for name, unit in columns)
 
 
 def left_share(fitted: FittedModel) -> Float:

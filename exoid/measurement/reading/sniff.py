@@ -133,6 +133,7 @@ def sniff(text: str, *, where: str) -> Layout:
         ("|", "."),
         (",", ","),
     ):
+        # A comma is both only where numbers stand in quotes.
         if (delimiter.strip() and delimiter not in text) or (delimiter == decimal and '"' not in text):
             continue
         if delimiter not in cut:
