@@ -1,0 +1,253 @@
+"""Recordings that differ: are the differences told, with intervals that hold the truth, and nothing else?
+
+    python benchmarks/differences.py [--sets 50] [--first 0] [--same] [--effects]
+
+Chains of one to three joints by Newton and Euler (the arena's plant of equations), four runs of 20 s, of which one is
+held out at random. Each set has one difference by turns: torque zeros, a load, a gain, a level of friction, friction
+that goes with a logged temperature, a late or fast clock, a load or a zero from a moment on. With `--effects` an effect
+of the catalogue is hidden beside it; with `--same` only torque zeros, or nothing, differ. Right is an answer that tells
+this difference, the hidden effect and nothing more.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from benchmarks.arena.plants.equations import EFFECTS, NAMES, At, Links, rigid
+from exoid.diagnosis import discover
+from exoid.measurement.logged import Logged
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
+
+RATE, SECONDS, RUNS = 100.0, 20.0, 4
+T = np.arange(round(SECONDS * RATE)) / RATE
+KINDS = (
+    "zeros", "load", "gain", "friction", "temperature", "late clock", "fast clock", "load from then on",
+    "zero from then on",
+)  # fmt: skip
+HIDDEN = ("stribeck", "load_friction", "viscous_quadratic", "end_stop", "hardening_spring")
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Links, over how many rad/s dry friction turns round, the noise of a torque sensor in N·m, and where on its last
+    link a load hangs, m.
+    """
+
+    links: Links
+    width: float
+    noise: float
+    place: float
+
+    @property
+    def count(self) -> int:
+        return len(self.links.mass)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What one run has to itself from the time `since` s on: zeros (J,), gains (J,), frictions (J,) in parts of the
+    usual, a load in kg on its last link; and how `late` s and `fast` the clock of its torques is. `warm` is the
+    temperature above the usual in K, from which each joint's friction falls by `cools` (J,).
+    """
+
+    zero: Float
+    gain: Float
+    friction: Float
+    load: float = 0.0
+    late: float = 0.0
+    fast: float = 0.0
+    since: float = 0.0
+    warm: Float = field(default_factory=lambda: np.zeros(1))
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """An effect of the catalogue at a joint, with its size and the numbers that were `drawn` for its shape."""
+
+    effect: str
+    joint: int
+    size: float
+    drawn: Float
+
+
+Truth = Mapping[tuple[str, str | None], Mapping[str, float]]
+"""{(what, joint): {run: its number}}"""
+
+
+def machine_of(rng: np.random.Generator) -> Machine:
+    """Machine of one to three joints."""
+    count = int(rng.integers(1, 4))
+    mass = np.array([3.0, 2.0, 1.0])[:count] * rng.uniform(0.7, 1.3, count)
+    length = np.round(np.array([0.42, 0.40, 0.2])[:count] * rng.uniform(0.9, 1.1, count), 3)
+    links = Links(
+        mass, length * rng.uniform(0.4, 0.6, count), length, mass * length**2 / 12.0 * rng.uniform(0.8, 1.3, count),
+        rng.uniform(0.6, 1.5, count), rng.uniform(0.3, 1.2, count),
+    )  # fmt: skip
+    width, noise = np.exp(rng.uniform(np.log(0.002), np.log(0.03))), rng.choice([0.05, 0.15, 0.4])
+    return Machine(links, float(width), float(noise), float(rng.uniform(0.4, 0.9) * length[-1]))
+
+
+def waves_of(rng: np.random.Generator, count: int) -> Callable[[Float], Motion]:
+    """Sums of five sines per joint, at most 0.7 rad from hanging and 2.5 rad/s, at any times (N,)."""
+    w = 2.0 * np.pi * rng.uniform(0.1, 0.8, (5, count))
+    size, phase = rng.uniform(0.3, 1.0, (5, count)) / w**0.5, rng.uniform(0.0, 2.0 * np.pi, (5, count))
+    angle = w * T[:, None, None] + phase
+    far, quick = (np.abs(x.sum(axis=1)).max(axis=0) for x in (size * np.sin(angle), size * w * np.cos(angle)))
+    size = size * np.minimum(0.7 / far, 2.5 / quick)
+
+    def motion(at: Float) -> Motion:
+        turn = w * at[:, None, None] + phase
+        sine, cosine = size * np.sin(turn), size * np.cos(turn)
+        return Motion(at, sine.sum(axis=1), (w * cosine).sum(axis=1), -(w**2 * sine).sum(axis=1))
+
+    return motion
+
+
+def torque_of(machine: Machine, motion: Motion, run: Run, hidden: Hidden | None) -> Float:
+    """Torques (N, J) of a motion, beside what a run has to itself."""
+    links, there = machine.links, (motion.t >= run.since)[:, None]
+    carrying = np.where(there, rigid(loaded(machine, run.load), motion), rigid(links, motion))
+    friction = links.dry * np.tanh(motion.dq / machine.width) + links.viscous * motion.dq
+    out = carrying + friction * np.where(there, run.friction, 1.0) * (1.0 - run.warm)
+    if hidden is not None:
+        at = At(hidden.joint, motion, carrying[:, hidden.joint], hidden.drawn)
+        out[:, hidden.joint] += hidden.size * EFFECTS[hidden.effect][1](at)
+    return np.asarray(np.where(there, out * run.gain + run.zero, out))
+
+
+def loaded(machine: Machine, load: float) -> Links:
+    """Links of a machine with a small body of `load` kg on the last one."""
+    links, last = machine.links, machine.count - 1
+    own, along, inertia = (float(x[last]) for x in (links.mass, links.along, links.inertia))
+    middle = (own * along + load * machine.place) / (own + load)
+    inertia += own * (along - middle) ** 2 + load * (machine.place - middle) ** 2
+    new = {"mass": own + load, "along": middle, "inertia": inertia}
+    return replace(links, **{name: np.append(getattr(links, name)[:last], x) for name, x in new.items()})
+
+
+def some_of(rng: np.random.Generator) -> list[int]:
+    """One or two runs."""
+    return sorted(rng.choice(RUNS, int(rng.integers(1, 3)), replace=False).tolist())
+
+
+def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[list[Run], Truth]:
+    """What each run has to itself where they differ in one `kind`, and what has to be told."""
+    many = machine.count
+    usual = Run(np.zeros(many), np.ones(many), np.ones(many))
+    runs, joint = [usual] * RUNS, int(rng.integers(many))
+    name, last, unit = NAMES[joint], NAMES[many - 1], np.eye(many)[joint]
+    which, names = some_of(rng), [f"run_{k}" for k in range(RUNS)]
+    sign = 1.0 if rng.random() < 0.5 else -1.0
+    if kind == "nothing":
+        return runs, {}
+    if kind == "zeros":
+        zeros = rng.uniform(0.4, 1.5) * rng.standard_normal((RUNS, many))
+        zeros *= np.ones(many) if rng.random() < 0.5 else unit
+        truth = {("sensor_zero", NAMES[j]): dict(zip(names, x.tolist(), strict=True)) for j, x in enumerate(zeros.T)}
+        return [replace(usual, zero=x) for x in zeros], {key: x for key, x in truth.items() if any(x.values())}
+    if kind == "fast clock":
+        fast = sign * float(rng.uniform(0.001, 0.004))
+        return [replace(usual, fast=fast)] * RUNS, {("clock_rate", None): dict.fromkeys(names, fast)}
+    if kind == "temperature":
+        warm = np.array([20.0, 26.0, 33.0, 40.0])[rng.permutation(RUNS)]
+        rises = warm[:, None] + rng.uniform(2.0, 8.0, (RUNS, 1)) * (1.0 - np.exp(-T / 8.0))
+        slope = float(rng.uniform(0.01, 0.02))
+        made = [replace(usual, warm=slope * (x[:, None] - 33.0) * unit) for x in rises]
+        return made, {(f"logged:temperature_{name}", name): {}}
+    if kind in ("load from then on", "zero from then on"):
+        since, k = float(rng.uniform(0.3, 0.7) * SECONDS), which[0]
+        load, zero = float(rng.uniform(0.3, 1.0) * machine.links.mass[-1]), sign * float(rng.uniform(0.5, 1.5))
+        if kind == "load from then on":
+            runs[k] = replace(usual, load=load, since=since)
+            return runs, {("carried_load", last): {names[k]: load}}
+        runs[k] = replace(usual, zero=zero * unit, since=since)
+        return runs, {("sensor_zero", name): {names[k]: zero}}
+    change, what, value = {
+        "load": ("load", ("carried_load", last), float(rng.uniform(0.3, 1.0) * machine.links.mass[-1])),
+        "gain": ("gain", ("torque_gain", name), float(np.exp(sign * rng.uniform(0.1, 0.35)))),
+        "friction": ("friction", ("friction_level", name), float(np.exp(sign * rng.uniform(0.25, 0.6)))),
+        "late clock": ("late", ("clock_offset", None), float(rng.uniform(0.008, 0.025))),
+    }[kind]
+    own = 1.0 + (value - 1.0) * unit if change in ("gain", "friction") else value
+    which = which if kind == "load" else which[:1]  # of two and two nobody knows which are usual
+    for k in which:
+        runs[k] = replace(usual, **{change: own})
+    return runs, {what: {names[k]: value for k in which}}
+
+
+def drawn(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording], Truth, str]:
+    """A model, its recordings, what differs between them, and the effect that is hidden, "" for none."""
+    rng = np.random.default_rng(seed)
+    machine = machine_of(rng)
+    runs, truth = differing(kind, machine, rng)
+    hidden = None
+    if effect:
+        name, j = HIDDEN[int(rng.integers(len(HIDDEN)))], int(rng.integers(machine.count))
+        hidden = Hidden(name, j, float(rng.uniform(0.3, 0.8) * EFFECTS[name][0]), rng.random(2))
+    joints = tuple(Joint(x, length=float(y)) for x, y in zip(NAMES, machine.links.length, strict=False))
+    recordings = []
+    for k, run in enumerate(runs):
+        motion = waves_of(rng, machine.count)
+        tau = torque_of(machine, motion((T - run.late) * (1.0 + run.fast)), run, hidden)
+        far = np.where(rng.random(tau.shape) < 0.02, 12.0 * rng.standard_normal(tau.shape), 0.0)
+        tau += machine.noise * (rng.standard_normal(tau.shape) + far)
+        q = np.round(motion(T).q / 1e-4) * 1e-4
+        logged = {}
+        if kind == "temperature":
+            (_, name), (per_kelvin) = next(iter(truth)), run.warm.max(axis=1) + run.warm.min(axis=1)
+            logged = {f"temperature_{name}": Logged(T[::100], 33.0 + 1000.0 * per_kelvin[::100] / 15.0, "degC", 0.05)}
+        recordings.append(Recording(f"run_{k}", T, q, tau, joints=joints, logged=logged))
+    model = Model("chain", limits={}, joints=joints)
+    return model, recordings, truth, f"{hidden.effect}:{NAMES[hidden.joint]}" if hidden else ""
+
+
+def judged(seed: int, kind: str, *, effect: bool) -> tuple[str, int, int]:
+    """What is wrong with the answer to a set, "" for nothing; how many numbers are told, how many hold the truth."""
+    model, recordings, truth, hidden = drawn(seed, kind, effect=effect)
+    held = int(np.random.default_rng(seed).integers(RUNS))
+    answer = discover(model, [r for k, r in enumerate(recordings) if k != held], [recordings[held]])
+    told = {(item.what, item.joint): item for item in answer.of_recordings}
+    named = [(item.name, *item.look_alikes) for item in answer.accepted]
+    wrong = []
+    if set(told) != set(truth) or any(x and set(told[key].values) != set(x) for key, x in truth.items() if key in told):
+        wrong.append(f"told {'; '.join(item.sentence for item in answer.of_recordings) or 'nothing'}")
+    if (not hidden and named) or (hidden and (len(named) != 1 or hidden not in named[0])):
+        wrong.append(f"named {named or 'nothing'} for {hidden or 'nothing'}")
+    if answer.verdict != ("adequate" if not hidden else "missing") and not (hidden and answer.verdict == "ambiguous"):
+        wrong.append(answer.verdict)
+    pairs = [(told[key].values[run], x) for key in truth if key in told for run, x in truth[key].items()
+             if run in told[key].values]  # fmt: skip
+    return "; ".join(wrong), len(pairs), sum(e.low <= x <= e.high for e, x in pairs)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--sets", type=int, default=50)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--same", action="store_true", help="nothing differs, or torque zeros alone")
+    parser.add_argument("--effects", action="store_true", help="an effect is hidden, too")
+    asked = parser.parse_args()
+    kinds = ("nothing", "zeros") if asked.same else KINDS
+    right, of, numbers, inside = Counter[str](), Counter[str](), 0, 0
+    for seed in range(asked.first, asked.first + asked.sets):
+        kind = kinds[seed % len(kinds)]
+        wrong, told, held = judged(seed, kind, effect=asked.effects)
+        of[kind] += 1
+        right[kind] += not wrong
+        numbers, inside = numbers + told, inside + held
+        print(f"{seed:5d} {kind}: {wrong or 'right'} ({held} of {told} intervals)", flush=True)
+    for kind in kinds:
+        print(f"{kind:20} {right[kind]} of {of[kind]}")
+    print(f"{right.total()} of {of.total()} right; {inside} of {numbers} intervals hold the truth")
+
+
+if __name__ == "__main__":
+    main()
