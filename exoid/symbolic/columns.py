@@ -74,7 +74,7 @@ def _untransformed(model: ModelStructure, motion: Motion, shapes: Float, linear:
     out[:, :, slice(len(chosen)) if chosen == [*range(len(chosen))] else chosen] = base
     env = motion_words(motion)
     if any(uses_feedback(term) for term in model.terms):
-        env |= feedback(model, model.terms, base, linear) | slopes_of(model, model.terms, motion, linear, shapes)
+        env |= feedback(model, model.terms, base, linear, motion) | slopes_of(model, model.terms, motion, linear, shapes)
     plain = [term for term in model.terms if term.effect.derive is None and not is_transform(term)]
     for term in plain:
         _add(term, {**env, **shaped(term, at)}, motion, out, place)
@@ -117,7 +117,7 @@ def following_columns(
     if any(map(uses_feedback, terms)):
         carried = carrying(model, motion, numbers)
         base = _base_columns(model, motion, carried, shape_values(model, nodes[0]))
-        words |= feedback(model, terms, base, carried) | slopes_of(model, terms, motion, carried, nodes[0])
+        words |= feedback(model, terms, base, carried, motion) | slopes_of(model, terms, motion, carried, nodes[0])
     width = sum(len(term.effect.coefficients) for term in terms)
     out, first = np.zeros((len(nodes), len(model.joints), width, len(motion))), 0
     for term in terms:
@@ -177,7 +177,7 @@ def moving_torque(
         base = base_places(model)
         words |= {f"tau_model{j + 1}": values for j, values in enumerate(columns[:, :, base] @ carried[base])}
     elif uses_feedback(term):
-        words |= feedback(model, (term,), columns[:, :, base_places(model)], carried)
+        words |= feedback(model, (term,), columns[:, :, base_places(model)], carried, motion)
         words |= slopes_of(model, (term,), motion, carried, shape)
     still = np.array(carried)
     still[[*own.values()]] = 0.0

@@ -94,9 +94,11 @@ def motion_words(motion: Motion) -> dict[str, Float | float]:
     return dict(motion.words)
 
 
-def feedback(model: ModelStructure, terms: Iterable[Term], base: Float, linear: Float) -> dict[str, Float]:
+def feedback(
+    model: ModelStructure, terms: Iterable[Term], base: Float, linear: Float, motion: Motion
+) -> dict[str, Float]:
     """Return tau_rigid and tau_model of the joints of which `terms` speak, from the columns (J, N, B) at `base_places`
-    and reference parameters (P,).
+    and reference parameters (P,), with the load of `motion`.
 
     They are never taken from a measurement: that would leak the answer into the question.
     """
@@ -104,7 +106,7 @@ def feedback(model: ModelStructure, terms: Iterable[Term], base: Float, linear: 
     every = np.concatenate([linear, np.ones(max(0, 1 + max(whole) - len(linear)))])[whole]
     rigid = np.where(np.isin(whole, rigid_places(model)), every, 0.0)
     return {
-        f"{word}{j + 1}": columns @ numbers
+        f"{word}{j + 1}": columns @ numbers + (0.0 if motion.load is None else motion.load[:, j])
         for word, numbers in (("tau_rigid", rigid), ("tau_model", every))
         for j, columns in enumerate(base)
         if f"{word}{j + 1}" in used

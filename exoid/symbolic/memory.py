@@ -44,7 +44,7 @@ def memory_signals(
         return values
     env, at = motion_words(motion), shape_values(model, shapes)
     if any(operation.argument.names() & FEEDBACK for _, _, operation in operations):
-        env |= feedback(model, model.terms, base_columns()[:, :, base_places(model)], linear)
+        env |= feedback(model, model.terms, base_columns()[:, :, base_places(model)], linear, motion)
     for k, (term, _, operation) in enumerate(operations):
         words = {**env, **shaped(term, at)}
         argument = to_numpy(operation.argument, words, motion.signs)

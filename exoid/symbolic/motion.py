@@ -30,7 +30,8 @@ class Motion:
     that hung on the leg add to Φ1..Φ4 in kg·m² (`exoid.symbolic.mechanics.payload`), None where there were none. `base`
     (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s²; in space
     (N, 12): three angles rad about fixed axes x, y, z, their derivatives, acceleration m/s². `force`
-    (N, C) are measured external forces, in the order of the model's `channels`, N or N·m.
+    (N, C) are measured external forces, in the order of the model's `channels`, N or N·m. `load` (N, J) is a torque that
+    the drives bear beside the model's own, N·m: it is no part of what the model says, but friction feels it.
     """
 
     t: Float
@@ -41,6 +42,7 @@ class Motion:
     payload: Float | None = None
     base: Float | None = None
     force: Float | None = None
+    load: Float | None = None
 
     def __post_init__(self) -> None:
         sign = np.sign(self.dq) if self.sign is None else self.sign
@@ -57,7 +59,9 @@ class Motion:
             object.__setattr__(self, "force", read_only(self.force))
             if self.force.ndim != 2 or len(self.force) != shape[0]:
                 raise ValueError(f"motion.force has shape {self.force.shape}, expected ({shape[0]}, C)")
-        for name in ("q", "dq", "ddq", "sign"):
+        if self.load is not None:
+            object.__setattr__(self, "load", read_only(self.load))
+        for name in ("q", "dq", "ddq", "sign", *(["load"] if self.load is not None else [])):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"motion.{name} has shape {getattr(self, name).shape}, expected {shape}")
 

@@ -78,8 +78,8 @@ def _cut(one: PreparedRecording, start: float, stretch: float, name: str) -> Pre
     first, last = max(0, int(kept[0]) - reach), min(len(one.motion), int(kept[-1]) + reach + 1)
     motion = one.motion
     t, q, dq, ddq, sign = (x[first:last] for x in (motion.t, motion.q, motion.dq, motion.ddq, motion.sign))
-    base, force = (None if x is None else x[first:last] for x in (motion.base, motion.force))
-    around = Motion(t, q, dq, ddq, sign, motion.payload, base, force)
+    base, force, load = (None if x is None else x[first:last] for x in (motion.base, motion.force, motion.load))
+    around = Motion(t, q, dq, ddq, sign, motion.payload, base, force, load)
     return replace(
         one,
         name=name,

@@ -77,7 +77,8 @@ class Claim:
     The prediction gains its number times `pieces(seen)` (J, K, m) mixed by `mix(node)` (m,), at one of the `nodes`
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
     the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,),
-    and the last piece is added whatever its number. `everyone`: each recording has one of its own; `common`: all have
+    and the last piece is added whatever its number. Friction that grows with the load feels it where it is `borne` by
+    the drives. `everyone`: each recording has one of its own; `common`: all have
     the same; otherwise those have one that differ from the others, and the same where it is `shared`; it may begin
     within a recording, unless it is of the `whole`. What is `unlike` another hypothesis must beat it where all have the
     same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how many of another unit
@@ -92,6 +93,7 @@ class Claim:
     usual: float = 0.0
     factor: bool = False
     moves: Callable[[Seen], Float] | None = None
+    borne: bool = False
     everyone: bool = False
     shared: bool = False
     common: bool = False

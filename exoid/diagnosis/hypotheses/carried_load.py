@@ -43,7 +43,9 @@ def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
         if len(shown) == 1:  # as of a slide its mass: that number is told, which 1 kg at 1 m has as 1
             places, unit = tuple(at for at in at_one if mix(at)[0] == 1.0)[:1], units[shown[0]]
         if shown and places:
-            found.append(Claim("carried_load", names[k], unit, pieces, BOUNDS, shared=True, nodes=places, mix=mix))
+            found.append(
+                Claim("carried_load", names[k], unit, pieces, BOUNDS, borne=True, shared=True, nodes=places, mix=mix)
+            )
     return tuple(found)
 
 

@@ -123,9 +123,9 @@ class OwnNumbers:
         return any(many[item.recording] >= model.friction.stop for item in recordings)
 
     def as_many_as(self, part: float) -> bool:
-        """True if recordings differ in as many ways as `part` of a machine's numbers, zeros not counted."""
-        ways = sum(held.count for held in self.held if not held.claim.everyone)
-        return ways >= part * self.now.model.friction.stop
+        """True if recordings differ in several ways, as many as `part` of a machine's numbers, zeros not counted."""
+        ways = [held.count for held in self.held if not held.claim.everyone]
+        return len(ways) > 1 and sum(ways) >= part * self.now.model.friction.stop
 
     def beside(self, model: Model, prepared: Prepared) -> FittedModel:
         """A model on the recordings without the torque that belongs to them alone, fitted to these."""
@@ -150,12 +150,26 @@ class OwnNumbers:
         verify = tuple(self._applied(recording, unseen=True) for recording in prepared.verify)
         return replace(prepared, train=train, verify=verify)
 
-    def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
-        known, lost = self._own(one, unseen=unseen)
-        return one.losing(lost).beside_own(known) if known.any() else one
+    def carried(self, prepared: Prepared) -> Prepared:
+        """The recordings as they are, with the loads that they carry felt by friction."""
+        train = tuple(self._carrying(recording, unseen=False) for recording in prepared.train)
+        verify = tuple(self._carrying(recording, unseen=True) for recording in prepared.verify)
+        return replace(prepared, train=train, verify=verify)
 
-    def _own(self, one: PreparedRecording, *, unseen: bool) -> tuple[Float, Bool]:
-        """Torque (N, J) that belongs to a recording alone, and samples (N, J) that are lost with it."""
+    def _carrying(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
+        if not any(held.claim.borne for held in self.held):
+            return one
+        return one.carrying(self._own(one, unseen=unseen, borne=True)[0])
+
+    def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
+        carrying = self._carrying(one, unseen=unseen)
+        known, lost = self._own(carrying, unseen=unseen)
+        return carrying.losing(lost).beside_own(known) if known.any() else carrying
+
+    def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> tuple[Float, Bool]:
+        """Torque (N, J) that belongs to a recording alone, only what drives bear where so asked, and samples (N, J)
+        that are lost with it.
+        """
         known, t = np.zeros(one.wide_tau.shape), one.motion.t
         lost = np.zeros(one.hidden.shape, dtype=bool)
         for j, part in enumerate(self.parts):
@@ -167,7 +181,7 @@ class OwnNumbers:
             seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[part.recording])
             both = self.judged[j] if unseen else [self.numbers, self.numbers]
             for half, numbers in zip((inside * early, inside * ~early), both, strict=True):
-                known += half[:, None] * self._added(seen, j, numbers).T
+                known += half[:, None] * self._added(seen, j, numbers, borne=borne).T
                 for held, number in self._of_part(j, numbers):
                     if held.claim.moves:  # where a drive stuck, it did so at other times
                         when = held.claim.moves(replace(seen, number=number))
@@ -179,9 +193,11 @@ class OwnNumbers:
         shape = self.now.shapes[self.parts[j].recording]
         return self._added(seen_before_filter(self.now, one, self.linear, shape), j, self.numbers)
 
-    def _added(self, seen: Seen, j: int, numbers: Float) -> Float:
+    def _added(self, seen: Seen, j: int, numbers: Float, *, borne: bool = False) -> Float:
         added = np.zeros(seen.torque.shape)
         for held, number in self._of_part(j, numbers):
+            if borne and not held.claim.borne:
+                continue
             pieces = held.claim.pieces(replace(seen, number=number))
             added += number * (pieces @ held.claim.mix(held.node))
             added += pieces[:, :, -1] if held.claim.moves else 0.0

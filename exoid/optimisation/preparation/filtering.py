@@ -140,6 +140,10 @@ class PreparedRecording:
         read = None if self.read is None else replace(self.read, tau=self.read.tau - known)
         return self.changed(torque=self.torque - self.smooth(known), wide_tau=self.wide_tau - known, read=read)
 
+    def carrying(self, load: Float) -> PreparedRecording:
+        """Return the recording with a torque `load` (N, J) N·m that friction feels beside the model's own."""
+        return self.changed(motion=replace(self.motion, load=load)) if load.any() else self
+
     def changed(self, **values: Any) -> PreparedRecording:
         """Return the recording with other values of its fields, the same samples hidden: their bridges are kept."""
         new = replace(self, **values)
