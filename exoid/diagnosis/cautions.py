@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.diagnosis.doubts import doubts_before, doubts_first
-from exoid.diagnosis.evidence.best_effects import may_leave_noise
+from exoid.diagnosis.evidence.best_effects import may_be_explained
 from exoid.diagnosis.evidence.channel_doubt import COLUMNS, Doubt, finite, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
-from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.own_numbers.compared import predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.rules import RULES, Rules
@@ -27,7 +27,7 @@ def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
         return ()
     wrong = doubts_first(fitted, rules)
     outside = None if wrong is not None else intermittent(fitted, rules)
-    if outside is not None and not may_leave_noise(fitted, rules):
+    if outside is not None and not may_be_explained(fitted, rules):
         return (Finding(OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), EVERY, remedy=ADVICE),)
     doubt = wrong or doubts_before(fitted, rules)
     if doubt is None and (own := _own_numbers(fitted, rules)):
@@ -46,10 +46,10 @@ def _own_numbers(fitted: FittedModel, rules: Rules) -> tuple[Finding, ...]:
     """Findings on numbers that belong to recordings, where the model beside them predicts clearly better and leaves
     about the noise: beside more they may be traces of what it is missing.
     """
-    if np.all(times_noise(fitted) <= rules.near_noise) or (own := belonging_to(fitted, rules)) is None:
+    if is_near_noise(fitted, rules) or (own := belonging_to(fitted, rules)) is None:
         return ()
     beside = own.beside(fitted.model, fitted.prepared)
-    if np.any(times_noise(beside) > rules.near_noise) or not predicts_better(fitted, beside, rules):
+    if not is_near_noise(beside, rules) or not predicts_better(fitted, beside, rules):
         return ()
     remedy = "`exoid discover` takes it into account"
     return tuple(Finding(OWN, "warning", told.sentence.rstrip("."), EVERY, remedy=remedy) for told in own.told)

@@ -16,14 +16,13 @@ from exoid.diagnosis.cautions import OUTSIDE, cautions
 from exoid.diagnosis.evidence.best_effects import as_given
 from exoid.diagnosis.evidence.curves import variables
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.remainder import Remainder, remainders
 from exoid.diagnosis.evidence.strides import Strides, strides_of
 from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.plots import against
 from exoid.diagnosis.report.material import NOTHING_HELD_OUT, Material, pictures_of
 from exoid.diagnosis.report.reported import Reported
-from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.torques import torques_over_time
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
 from exoid.ground.frames import pandas
@@ -207,7 +206,7 @@ def compare(
 def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     """Hold a Fit against recordings that are prepared already."""
     now = fitted_model(fit, prepared)
-    if prepared.misread and np.all(times_noise(now) <= RULES.near_noise):
+    if prepared.misread and is_near_noise(now):
         now = as_given(now)  # a model that leaves about the noise reads the channels rightly
         prepared = now.prepared
     unseen = verification(fit, prepared)

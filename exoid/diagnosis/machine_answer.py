@@ -77,7 +77,21 @@ def answer_of_machine(
 def _answer(
     asking: Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis:
-    """Return the answer of all these recordings together, to which `base` is fitted."""
+    """Return the answer of all these recordings together, to which `base` is fitted: that of the machine, unless that
+    is no explanation and something outside is one.
+    """
+    done, answer = _inside(asking, base, recordings, verify)
+    outside = asking.question.pushed(done, asking.tick)
+    if outside is None or outside.answer is None:
+        return answer
+    pushed = write_up(outside, (Extension(done.base),), (), None, (), outside.answer, asking.began)
+    return replace(pushed, inside=answer)
+
+
+def _inside(
+    asking: Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
+) -> tuple[Searched, Diagnosis]:
+    """Return the search and the answer of a machine on which nothing acts but what is measured."""
     question, tick = asking.question, asking.tick
     rules, splits = question.rules, question.asked.splits
     whole = part_of(tick, 0.0, 0.5) if splits == ALL else tick
@@ -89,8 +103,8 @@ def _answer(
     done = question.search(base, whole, asking.found, read)
     prepared, state = done.prepared, done.found.state
 
-    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:
-        return write_up(done, (Extension(done.base),), (), None, possible, answer, asking.began)
+    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> tuple[Searched, Diagnosis]:
+        return done, write_up(done, (Extension(done.base),), (), None, possible, answer, asking.began)
 
     if done.answer is not None:
         return as_given(done.answer)
@@ -135,7 +149,7 @@ def _answer(
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
     if sway is not None and not accepted:
         answer = swayed(sway, answer, last.model.joints)
-    return write_up(done, extensions, accepted, left, possible, answer, asking.began, leading)
+    return done, write_up(done, extensions, accepted, left, possible, answer, asking.began, leading)
 
 
 def _agreed(

@@ -9,11 +9,11 @@ from typing import TypeGuard
 import numpy as np
 
 from exoid.diagnosis.doubts import doubts_after, doubts_before, doubts_first
-from exoid.diagnosis.evidence.best_effects import as_given, may_leave_noise
+from exoid.diagnosis.evidence.best_effects import as_given, may_be_explained, most_effects
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
-from exoid.diagnosis.evidence.intermittent import intermittent
+from exoid.diagnosis.evidence.intermittent import Intermittent, intermittent
 from exoid.diagnosis.evidence.library import build_library
-from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.stretches import searched_stretches
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.readings import readings_of
@@ -39,7 +39,8 @@ from exoid.symbolic.model import Model
 class Searched:
     """A search that has ended: all recordings prepared, what was searched of them (`context`), and what was found.
 
-    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed.
+    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed, `outside`
+    what may push the machine, unless that is explained.
     """
 
     prepared: Prepared
@@ -47,6 +48,7 @@ class Searched:
     context: SearchContext
     found: Found
     answer: Conclusion | None = None
+    outside: Intermittent | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,26 +89,32 @@ class Question:
         """Search beside `base`, the model as it was `fitted`; `found` hears of every step, `read` fits it to the
         recordings in another convention.
 
-        That channels are misread, or that something outside pushes, has to beat the machine with its best effects. Not
-        that torques are too small for its masses: no effect speaks of their size.
+        That channels are misread has to beat the machine with its best effects, and that something outside pushes, them
+        and what belongs to recordings. Not that torques are too small for its masses: no effect speaks of their size.
         """
         prepared = base.prepared
         if any(finding.check == MASSES for finding in prepared.misread):
             return self._answered(base, check_channels(prepared.misread), tick)
         if prepared.misread:
             given = as_given(base)
-            rival = self.search(given, tick) if may_leave_noise(given, self.rules) else None
+            rival = self.search(given, tick) if is_near_noise(most_effects(given, self.rules), self.rules) else None
             if self._is_explained(rival) and not self._takes_fewer(rival, prepared.misread, read, tick):
                 return rival
             return self._answered(base, check_channels(prepared.misread), tick)
         if (wrong := doubts_first(base, self.rules)) is not None:
             return self._answered(base, doubted(wrong), tick)
-        if (outside := intermittent(base, self.rules)) is not None:
-            rival = self._searched(base, tick) if may_leave_noise(base, self.rules) else None
-            if rival is not None and (rival.answer is not None or self._is_explained(rival)):
-                return rival
-            return self._answered(base, pushed(outside, base.model.joints), tick)
-        return self._searched(base, tick, found)
+        outside = intermittent(base, self.rules)
+        if outside is None or may_be_explained(base, self.rules):
+            return replace(self._searched(base, tick, found), outside=outside)
+        return self._answered(base, pushed(outside, base.model.joints), tick)
+
+    def pushed(self, done: Searched, tick: Progress) -> Searched | None:
+        """Return the answer that something outside pushes where a search that is `done` found nothing that leaves about
+        the noise; None where nothing does.
+        """
+        if done.outside is None or done.answer is not None or self._is_explained(done):
+            return None
+        return self._answered(done.base, pushed(done.outside, done.base.model.joints), tick)
 
     def _takes_fewer(
         self, rival: Searched, misread: Sequence[Finding], read: Callable[[str], FittedModel] | None, tick: Progress
@@ -128,9 +136,7 @@ class Question:
         if rival is None or rival.answer is not None:
             return False
         last = rival.found.state.last.fitted
-        if np.any(times_noise(last) > self.rules.near_noise):
-            return False
-        return doubts_after(rival.base, last, self.rules) is None
+        return is_near_noise(last, self.rules) and doubts_after(rival.base, last, self.rules) is None
 
     def _searched(
         self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None

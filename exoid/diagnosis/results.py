@@ -258,6 +258,8 @@ class Diagnosis(Reported):
     of_recordings: tuple[Belonging, ...] = ()
     outside: bool = False
     """Whether the error is not the machine's: something that was not measured acts from outside."""
+    inside: Diagnosis | None = field(default=None, repr=False)
+    """Then the answer of the machine alone."""
 
     @property
     def unit(self) -> str:

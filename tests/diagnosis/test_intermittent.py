@@ -8,7 +8,7 @@ import pytest
 from exoid.diagnosis.comparison import compare
 from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence import intermittent as module
-from exoid.diagnosis.evidence.best_effects import may_leave_noise
+from exoid.diagnosis.evidence.best_effects import may_be_explained
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.intermittent import intermittent
 from exoid.diagnosis.rules import RULES
@@ -102,7 +102,7 @@ def test_what_hardly_moves_one_of_the_joints_is_no_ground(knee, ground, monkeypa
 def test_an_end_stop_is_no_contact():
     base = with_torque(lambda one, rng: np.column_stack([400.0 * np.maximum(one.q[:, 0] - 0.4, 0.0), 0.0 * one.t]))
     loose = replace(RULES, unexplained_share=0.0, most=0.0, artefact=1.0)
-    assert intermittent(base, loose) is not None and may_leave_noise(base, RULES)  # an effect is the better answer
+    assert intermittent(base, loose) is not None and may_be_explained(base, RULES)  # an effect is the better answer
 
 
 def test_what_is_now_small_now_large_has_no_quiet_part():

@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid.diagnosis.doubts import AFTER, Asked
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_beside
-from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.symbolic.joints import machine_word
 
 WHEN, ORDER = AFTER, 30
@@ -17,7 +17,7 @@ WHEN, ORDER = AFTER, 30
 def doubt(asked: Asked) -> Doubt | None:
     """Doubt where a model near the noise explains every torque as well without them, at every joint that moves."""
     last, rules = asked.last, asked.rules
-    if np.any(times_noise(last) > rules.near_noise):
+    if not is_near_noise(last, rules):
         return None
     model, train = last.model, last.prepared.train
     columns = [item.smooth_columns(last.unfiltered(k)[0])[:, :, len(model.inertial) :] for k, item in enumerate(train)]

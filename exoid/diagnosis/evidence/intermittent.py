@@ -22,7 +22,7 @@ from exoid.diagnosis.evidence.columns import stacked
 from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gram import numbers_of
-from exoid.diagnosis.evidence.model_error import times_noise
+from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_greatest, index_of_least
@@ -115,7 +115,7 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     """Torque that acts in part of the time of all recordings; None where nothing does, or little is left. An effect may
     act in part of the time as well, as friction does that some angles lack: it is a rival.
     """
-    if np.all(times_noise(base) <= rules.near_noise):
+    if is_near_noise(base, rules):
         return None
     sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
     views = [_view(base, index, sample) for index in range(len(base.prepared.all))]

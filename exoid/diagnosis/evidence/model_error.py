@@ -50,6 +50,11 @@ def times_noise(last: FittedModel) -> Float:
     return np.asarray(np.where(floor > 0.0, last.evaluation_rms / np.where(floor > 0.0, floor, 1.0), 0.0))
 
 
+def is_near_noise(last: FittedModel, rules: Rules = RULES) -> bool:
+    """True if the error of a model is at most a few times the noise floor at every joint."""
+    return bool(np.all(times_noise(last) <= rules.near_noise))
+
+
 def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
     """Return the noise (J,), N·m: what the sensors say or what does `again` not repeat, whichever is more."""
     sensors = sensor_noise(prepared)
