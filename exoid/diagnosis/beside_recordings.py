@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_on
+from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.machine_answer import Asking, answer_of_machine
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
@@ -18,6 +20,7 @@ from exoid.ground.ties import ascending
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
@@ -31,51 +34,116 @@ def answer_beside_recordings(
     asking: Asking, base: FittedModel, answer: Diagnosis, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis | None:
     """Return an answer beside what belongs to recordings; None where that does not predict clearly better."""
-    question, given, rules = asking.question, base.prepared, asking.question.rules
-    whole = fitted_on(answer.fit, given)
-    # An effect that was found and of which each recording has a number, as a delay, may be what belongs to some.
-    own_too = [effect.name for effect in answer.accepted if answer.model.find_effect(effect.effect).has_own_numbers]
-    last = fitted_on(identify(answer.model.without(*own_too), given.train, optimisers=()), given) if own_too else whole
-    found = _belonging_beside(last, rules)
-    if found is None:
-        return None
-    machines = [(explained_by(last, machine), machine) for machine in _plain_models(question, answer, last)]
+    pushed, answer = answer.outside, answer.inside or answer
+    whole = fitted_on(answer.fit, base.prepared)
+    common = _common(answer)
+    last = whole if common.terms == answer.model.terms else _refitted(common, base.prepared)
+    against = _Against(asking, base, answer, last, whole)
+    rivals = []
+    for own in against.promising():
+        rival = against.answer_beside(own, recordings, verify)
+        if rival is not None and not _leaves_more(rival):
+            return rival
+        rivals.append(rival)
+    return None if pushed else next(filter(None, rivals), None)
 
-    def is_worth(own: OwnNumbers, beside: FittedModel) -> bool:
-        """True if they predict clearly better, beside an effect of the machine that explains nearly as much, too."""
-        if own_too and explained_by(last, beside) < rules.practically * explained_by(last, whole):
+
+@dataclass(frozen=True, eq=False)
+class _Against:
+    """Rivals of numbers of recordings: an `answer` and its model (`whole`), and that without numbers that each
+    recording has (`last`). `base` is the model that was given.
+    """
+
+    asking: Asking
+    base: FittedModel
+    answer: Diagnosis
+    last: FittedModel
+    whole: FittedModel
+
+    @property
+    def rules(self) -> Rules:
+        """The thresholds that decide."""
+        return self.asking.question.rules
+
+    @property
+    def given(self) -> Prepared:
+        """The recordings with what belongs to them alone."""
+        return self.base.prepared
+
+    @cached_property
+    def machines(self) -> list[tuple[float, FittedModel]]:
+        """The last model, and the same with each of the entries that come nearest to what it leaves, of which each
+        explains a share.
+        """
+        models = _plain_models(self.asking.question, self.answer, self.last)
+        return [(explained_by(self.last, machine), machine) for machine in models]
+
+    def promising(self) -> Iterator[OwnNumbers]:
+        """Yield what may belong to recordings: beside the model as given, since an effect may be its trace, and beside
+        the answer; where that leaves more than noise, beside one of the nearest entries of the catalogue with which it
+        does not: each hides the other as long as it is missing.
+        """
+        found, near = _belonging_beside(self.last, self.rules), _leaves_more(self.answer)
+        if found is None and not near:
+            return
+        alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules)
+        for own in dict.fromkeys((alone, found)):
+            if own is not None and self.is_worth(own, own.beside(self.last.model, self.given)):
+                yield own
+        for _, machine in self.machines[1:] if near else ():
+            own = _belonging_beside(machine, self.rules)
+            if own is not None and is_near_noise(own.beside(machine.model, self.given), self.rules):
+                yield own
+
+    def is_worth(self, own: OwnNumbers, beside: FittedModel) -> bool:
+        """True if a model `beside` numbers of recordings predicts clearly better, and better than one with an effect
+        that explains nearly as much.
+        """
+        share = explained_by(self.last, beside)
+        if self.last is not self.whole and share < self.rules.practically * explained_by(self.last, self.whole):
             return False
-        least = rules.most * explained_by(last, beside)
-        return predicts_better(last, beside, rules, own.cuts) and all(
-            share < least or predicts_better(machine, own.beside(machine.model, given), rules, own.cuts)
-            for share, machine in machines
+        return predicts_better(self.last, beside, self.rules, own.cuts) and all(
+            alone < self.rules.most * share
+            or predicts_better(machine, own.beside(machine.model, self.given), self.rules, own.cuts)
+            for alone, machine in self.machines
         )
 
-    # What belongs to recordings beside the model as given may be what an effect took the place of, or its trace.
-    alone = found if last.fit is base.fit else belonging_to(base, rules)
-    asked = [own for own in dict.fromkeys((alone, found)) if own is not None]
-    own = next((own for own in asked if is_worth(own, own.beside(last.model, given))), None)
-    if own is None:
-        return None
-    rival, explained, own = _with_own(asking, given, own, recordings, verify)
-    told = own.without([entry.recording for entry in rival.left_out])
-    main = explained_by(last, explained) >= rules.half
-    if not told or not _may_replace(answer, rival, own, main=main) or not is_worth(own, explained):
-        return None
-    caution = OTHERS_TOO if own.as_many_as(rules.half) else ""
-    caution += MORE_TOO if rival.error is not None else ""
-    return with_own(rival, told, base, caution)
+    def answer_beside(
+        self, own: OwnNumbers, recordings: Sequence[Recording], verify: Sequence[Recording]
+    ) -> Diagnosis | None:
+        """Return the answer beside numbers of recordings; None where it may not stand in place of the other."""
+        rival, explained, own = _with_own(self.asking, self.given, own, recordings, verify)
+        told = own.without([entry.recording for entry in rival.left_out])
+        main = explained_by(self.last, explained) >= self.rules.half
+        if not told or not _may_replace(self.answer, rival, own, main=main) or not self.is_worth(own, explained):
+            return None
+        caution = OTHERS_TOO if own.as_many_as(self.rules.half) else ""
+        caution += MORE_TOO if rival.error is not None else ""
+        return with_own(rival, told, self.base, caution)
+
+
+def _common(answer: Diagnosis) -> Model:
+    """Return the model of an answer without numbers that each recording has: an effect that was found with such, as a
+    delay, may be what belongs to some, and places that differ may be its trace.
+    """
+    found = {effect.name for effect in answer.accepted}
+    kept = [term for term in answer.model.terms if term.name not in found or not term.effect.has_own_numbers]
+    terms = (replace(term, own_places=term.own_places and term.name not in found) for term in kept)
+    return replace(answer.model, terms=tuple(terms))
+
+
+def _refitted(model: Model, prepared: Prepared) -> FittedModel:
+    return fitted_on(identify(model, prepared.train, optimisers=()), prepared)
 
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
     """True if a `rival` beside numbers of recordings may stand in place of an answer without; where more than noise is
-    left beside these, only of one that leaves more, too, and with its effects unless they are the `main` explanation.
+    left beside these, only of one that leaves more, too, and where they are the `main` explanation.
     """
     if rival.verdict == "check_channels" or rival.outside:
         return False
     if _leaves_more(rival):
-        kept = {effect.name for effect in answer.accepted} <= {effect.name for effect in rival.accepted}
-        return _leaves_more(answer) and (main or kept)
+        return _leaves_more(answer) and main
     # What is another machine's is explained by as many numbers as a machine has.
     return answer.error is not None or not own.of_a_machine(answer.left_out)
 
@@ -97,8 +165,8 @@ def _with_own(
         if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
             break
         kept = rival, fitted_on(rival.fit, without), own
-        own = _belonging_beside(fitted_on(rival.fit, given), again.rules) or own
-        if own.agrees(kept[2]) and not own.needless:
+        own = _belonging_beside(fitted_on(rival.fit, own.carried(given)), again.rules) or own
+        if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own
     assert kept is not None
     return kept
@@ -111,8 +179,7 @@ def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
     own = belonging_to(last, rules)
     if own is None or not own.needless:
         return own
-    model, prepared = last.model.without(*own.needless), last.prepared
-    without = belonging_to(fitted_on(identify(model, prepared.train, optimisers=()), prepared), rules)
+    without = belonging_to(_refitted(last.model.without(*own.needless), last.prepared), rules)
     return without and replace(without, needless=own.needless)
 
 

@@ -74,7 +74,8 @@ def _untransformed(model: ModelStructure, motion: Motion, shapes: Float, linear:
     out[:, :, slice(len(chosen)) if chosen == [*range(len(chosen))] else chosen] = base
     env = motion_words(motion)
     if any(uses_feedback(term) for term in model.terms):
-        env |= feedback(model, model.terms, base, linear, motion) | slopes_of(model, model.terms, motion, linear, shapes)
+        env |= feedback(model, model.terms, base, linear, motion)
+        env |= slopes_of(model, model.terms, motion, linear, shapes)
     plain = [term for term in model.terms if term.effect.derive is None and not is_transform(term)]
     for term in plain:
         _add(term, {**env, **shaped(term, at)}, motion, out, place)

@@ -30,8 +30,8 @@ class Motion:
     that hung on the leg add to Φ1..Φ4 in kg·m² (`exoid.symbolic.mechanics.payload`), None where there were none. `base`
     (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s²; in space
     (N, 12): three angles rad about fixed axes x, y, z, their derivatives, acceleration m/s². `force`
-    (N, C) are measured external forces, in the order of the model's `channels`, N or N·m. `load` (N, J) is a torque that
-    the drives bear beside the model's own, N·m: it is no part of what the model says, but friction feels it.
+    (N, C) are measured external forces, in the order of the model's `channels`, N or N·m. `load` (N, J) N·m is a torque
+    that the drives bear beside the model's own: it is no part of what the model says, but friction feels it.
     """
 
     t: Float

@@ -157,15 +157,18 @@ class _Search:
 
     def _is_the_machines(self, rest: State, held: Claimed) -> bool:
         """True if what all recordings may have alike explains what a claim does: one curve in its joint's velocity, as
-        where each recording has a speed of its own friction that depends on speed looks like friction that differs; or
-        what the claim is `unlike`.
+        where each recording has a speed of its own friction that depends on speed looks like friction that differs, to
+        which the claim adds nothing; or what the claim is `unlike`, which it does not beat.
         """
         alike = [claim for claim in self.fits.claims if claim.what == held.claim.unlike]
-        rivals = [self.fits.curve(held.claim.place), tuple(Claimed(claim, claim.nodes[0], self.all) for claim in alike)]
-        for rival in filter(None, rivals):
+        unlike = tuple(Claimed(claim, claim.nodes[0], self.all) for claim in alike)
+        for rival, kept in ((self.fits.curve(held.claim.place), True), (unlike, False)):
+            if not rival:
+                continue
             self.fits.weigh((*rest, held))
             explains = total(self.fits.losses((*rest, *rival))) < total(self.fits.losses(rest))
-            if explains and not self.fits.pays((*rest, *rival), (*rest, held), self.clear):
+            after = (*rest, *rival, held) if kept else (*rest, held)
+            if explains and not self.fits.pays((*rest, *rival), after, self.clear):
                 return True
         return False
 
@@ -178,7 +181,9 @@ class _Search:
         return [item for item in held if self.fits.loss((*state, item)) <= most]
 
     def _promising(self, state: State) -> list[Claimed]:
-        """The most promising recording and node of every claim that is not held, the best few."""
+        """The most promising recording and node of claims that are not held: the best few, and the best of each
+        hypothesis, since how late a clock is shows only step by step.
+        """
         taken = {held.claim for held in state}
         if self.many < 2:
             return []
@@ -223,7 +228,9 @@ class _Search:
             group = tuple(j for j in range(self.many) if (j == k) != less)
             best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
         useful = [entry for entry in best if entry[0] <= (1.0 - self.rules.least_share) * now]
-        return [held for _, held in ascending(useful, lambda one: one[0], 1.0)[:TRIED]]
+        ordered = [held for _, held in ascending(useful, lambda one: one[0], 1.0)]
+        kinds = [held.claim.what for held in ordered]
+        return [held for k, held in enumerate(ordered) if k < TRIED or held.claim.what not in kinds[:k]]
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
         """A claim with as many recordings as clearly have it, and no more. No choice of them is asked about twice: the

@@ -1,0 +1,48 @@
+"""Recordings that differ, beside a hidden effect: each hides the other as long as it is missing."""
+
+import numpy as np
+import pytest
+
+from benchmarks.differences import drawn, judged
+from exoid.diagnosis.discovery import discover
+from exoid.symbolic import Model, Motion
+from exoid.symbolic.joints import Joint
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "kind", "effect"),
+    [
+        (113, "late clock", False),  # friction that differs promises more at first
+        (605, "gain", True),  # a curve in the velocity explains as much as the gain alone
+        (612, "zeros", True),  # the nearest entry of the catalogue is another than that which is missing
+        (614, "gain", True),  # a stop seems to stand elsewhere in each recording
+        (325, "load", True),  # friction that grows with the load bears that of a recording, too
+        (331, "load from then on", True),
+        (339, "fast clock", True),  # as if something pushed
+    ],
+)
+def test_what_differs_and_the_effect_that_is_missing_are_told_together(seed, kind, effect):
+    wrong, told, inside = judged(seed, kind, effect=effect)
+    assert wrong == "" and told and inside >= told - 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2000, 2006))
+def test_nothing_is_told_where_nothing_differs(seed):
+    model, recordings, _, _ = drawn(seed, "nothing", effect=False)
+    answer = discover(model, recordings[:3], recordings[3:])
+    assert answer.verdict == "adequate" and not answer.of_recordings
+
+
+def test_friction_bears_a_load_that_is_no_part_of_the_model():
+    model = Model("drive", limits={}, joints=(Joint("hip"),)).with_effect("load_friction", "hip")
+    rng = np.random.default_rng(0)
+    q, dq, ddq = rng.standard_normal((3, 50, 1))
+    load, linear = rng.standard_normal((50, 1)), rng.uniform(0.5, 1.5, len(model.parameters))
+    bare, carrying = (model.torque(Motion(np.arange(50.0), q, dq, ddq, load=x), linear) for x in (None, load))
+    rigid = model.without("load_friction:hip")
+    own = np.where([p.name.startswith(("coulomb", "viscous")) for p in rigid.parameters], 0.0, linear[:-1])
+    weight = rigid.torque(Motion(np.arange(50.0), q, dq, ddq), own)
+    wanted = linear[-1] * (np.abs(weight + load) - np.abs(weight)) * np.sign(dq)
+    np.testing.assert_allclose(carrying - bare, wanted, atol=1e-12)
