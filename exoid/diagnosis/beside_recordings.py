@@ -16,6 +16,7 @@ from exoid.diagnosis.question import Question
 from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.write_up import with_own
+from exoid.ground.progress import silent
 from exoid.ground.ties import ascending
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
@@ -26,6 +27,8 @@ ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
+ENTRIES_BY_JOINTS = 9
+"""How many of them, times joints, what belongs to recordings is looked for beside at most: of arms it takes long."""
 OTHERS_TOO = " So many differences at once may also be those of another machine."
 MORE_TOO = " More than noise is left beside that: such numbers may also stand for what the model lacks."
 
@@ -83,14 +86,16 @@ class _Against:
         the answer; where that leaves more than noise, beside one of the nearest entries of the catalogue with which it
         does not: each hides the other as long as it is missing.
         """
-        found, near = _belonging_beside(self.last, self.rules), _leaves_more(self.answer)
+        found = _belonging_beside(self.last, self.rules)
+        near = len(self.given.all) > 1 and _leaves_more(self.answer)
         if found is None and not near:
             return
         alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules)
         for own in dict.fromkeys((alone, found)):
             if own is not None and self.is_worth(own, own.beside(self.last.model, self.given)):
                 yield own
-        for _, machine in self.machines[1:] if near else ():
+        many = max(1, ENTRIES_BY_JOINTS // len(self.base.model.joints)) if near else 0
+        for _, machine in ascending(self.machines[1:], lambda pair: -pair[0], 1.0)[:many] if many else ():
             own = _belonging_beside(machine, self.rules)
             if own is not None and is_near_noise(own.beside(machine.model, self.given), self.rules):
                 yield own
@@ -188,15 +193,16 @@ def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> I
     fitted to all recordings: a number of a recording's own has seen a part of that recording, too, held out or not.
     What has such numbers itself, as a drift that began at another time in each, is no plainer.
     """
-    found, given, least = last.model, last.prepared, question.rules.worth_telling
-    names = [term.name for term in found.terms]
-    own = {effect.id: effect for effect in question.entries(given)}  # the model alone does not know these
-    near = [
-        (suspect, own.get(suspect.effect) or found.find_effect(suspect.effect))
-        for suspect in answer.suspects
-        if suspect.name not in names and suspect.explained_share >= least
-    ]
-    plain = [pair for pair in near if not pair[1].has_own_numbers]
-    nearest = ascending(plain, lambda pair: -pair[0].explained_share, 1.0)[:NEAREST]
-    for model in (found, *(found.with_effect(effect, suspect.joint) for suspect, effect in nearest)):
-        yield fitted_on(identify(model, given.all, optimisers=()), given)
+    given, least = last.prepared, question.rules.worth_telling
+    everything = replace(given, train=given.all, verify=())
+    context = question.context(everything, everything, silent)
+    start = context.fit(last.model)
+    yield fitted_on(start.fitted.fit, given)
+    names = [term.name for term in last.model.terms]
+    near = [suspect for suspect in answer.suspects if suspect.name not in names and suspect.explained_share >= least]
+    known = {candidate.name: candidate for candidate in context.library.candidates}
+    plain = [suspect for suspect in near if not known[suspect.name].term.effect.has_own_numbers]
+    nearest = ascending(plain, lambda suspect: -suspect.explained_share, 1.0)[:NEAREST]
+    for suspect in nearest:
+        scores = context.all_weighed(start, context.evidence(start, draws=0), [known[suspect.name]])
+        yield fitted_on(context.with_term(start, scores[0]).fitted.fit, given)

@@ -142,7 +142,7 @@ class Question:
         self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None
     ) -> Searched:
         rules, part = self.rules, searched_stretches(base.prepared, self.rules)
-        context = self._context(part, base.prepared, tick)
+        context = self.context(part, base.prepared, tick)
         doubt = doubts_before(base, rules, lambda: most_explained(context, base))
         if doubt is not None:
             return self._answered(base, doubted(doubt), tick)
@@ -155,10 +155,11 @@ class Question:
 
     def _answered(self, base: FittedModel, answer: Conclusion, tick: Progress) -> Searched:
         """Return an answer that no search led to."""
-        context = self._context(base.prepared, base.prepared, tick)
+        context = self.context(base.prepared, base.prepared, tick)
         return Searched(base.prepared, base, context, Found(State((Extension(base),)), ()), answer)
 
-    def _context(self, part: Prepared, prepared: Prepared, tick: Progress) -> SearchContext:
+    def context(self, part: Prepared, prepared: Prepared, tick: Progress) -> SearchContext:
+        """Return what a search among the recordings `part`, of those that are `prepared`, works with."""
         library = build_library(self.model, part.all, self.entries(prepared))
         return SearchContext(part, library, self.asked.seed, tick, self.rules)
 
