@@ -6,10 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_on
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.machine_answer import Asking, answer_of_machine
-from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
+from exoid.diagnosis.own_numbers.compared import explained_by, least_left, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.question import Question
@@ -27,8 +29,6 @@ ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
-ENTRIES_BY_JOINTS = 9
-"""How many of them, times joints, what belongs to recordings is looked for beside at most: of arms it takes long."""
 OTHERS_TOO = " So many differences at once may also be those of another machine."
 MORE_TOO = " More than noise is left beside that: such numbers may also stand for what the model lacks."
 
@@ -94,9 +94,9 @@ class _Against:
         for own in dict.fromkeys((alone, found)):
             if own is not None and self.is_worth(own, own.beside(self.last.model, self.given)):
                 yield own
-        many = max(1, ENTRIES_BY_JOINTS // len(self.base.model.joints)) if near else 0
-        for _, machine in ascending(self.machines[1:], lambda pair: -pair[0], 1.0)[:many] if many else ():
-            own = _belonging_beside(machine, self.rules)
+        least = [(float(np.max(least_left(machine))), machine) for _, machine in self.machines[1:]] if near else []
+        for left, machine in ascending(least, lambda pair: pair[0], 1.0):
+            own = _belonging_beside(machine, self.rules) if left <= self.rules.near_noise else None
             if own is not None and is_near_noise(own.beside(machine.model, self.given), self.rules):
                 yield own
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Unpack
 
 from exoid.diagnosis.beside_recordings import answer_beside_recordings
@@ -61,7 +62,7 @@ def answer_of(
     base = question.fitted(recordings, verify, tick, prepared)
     answer = answer_of_machine(asking, base, recordings, verify)
     rival = None if base.prepared.misread else answer_beside_recordings(asking, base, answer, recordings, verify)
-    return rival or answer
+    return replace(rival or answer, seconds=time.perf_counter() - asking.began)
 
 
 def diagnose(
