@@ -159,7 +159,7 @@ class Question:
         return Searched(base.prepared, base, context, Found(State((Extension(base),)), ()), answer)
 
     def context(self, part: Prepared, prepared: Prepared, tick: Progress) -> SearchContext:
-        """Return what a search among the recordings `part`, of those that are `prepared`, works with."""
+        """Return the context of a search among the recordings `part`, of those that are `prepared`."""
         library = build_library(self.model, part.all, self.entries(prepared))
         return SearchContext(part, library, self.asked.seed, tick, self.rules)
 

@@ -26,9 +26,12 @@ REWEIGHTED = 3
 
 
 def seen_before_filter(now: FittedModel, one: PreparedRecording, linear: Float, shape: Float) -> Seen:
-    """A model at `linear` numbers (P,) and a shape (S,) on a recording, at all samples of its motion."""
+    """A model at `linear` numbers (P,) and a shape (S,) on a recording, at all samples of its motion; its torque with
+    that of a load that is known already.
+    """
     columns = now.model.columns(one.motion, shape, now.linear if now.model.needs_reference else None)
     torque, t = now.model.torque(one.motion, linear, shape).T, one.motion.t
+    torque = torque if one.motion.load is None else torque + one.motion.load.T
     return Seen(now.model, linear, columns, torque, t, one.logged, float(t[0]))
 
 
@@ -47,6 +50,9 @@ class Fits:
         self.parts = parts_of(self.blocks, cuts)
         self.linear = now.linear
         self.torques = [now.torque(k) for k in range(len(self.blocks))]
+        for k, recording in enumerate(now.prepared.all):
+            if recording.motion.load is not None:
+                self.torques[k] = self.torques[k] + recording.smooth(recording.motion.load)
         self.rising = [self._rising(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, state_columns(now))
         self.seen = [self._seen(k) for k in range(len(self.blocks))]
