@@ -40,7 +40,7 @@ def answer_beside_recordings(
     pushed, answer = answer.outside, answer.inside or answer
     whole = fitted_on(answer.fit, base.prepared)
     common = _common(answer)
-    last = whole if common.terms == answer.model.terms else _refitted(common, base.prepared)
+    last = whole if common.terms == answer.model.terms else _refitted(common, whole)
     against = _Against(asking, base, answer, last, whole)
     rivals = []
     for own in against.promising():
@@ -137,8 +137,11 @@ def _common(answer: Diagnosis) -> Model:
     return replace(answer.model, terms=tuple(terms))
 
 
-def _refitted(model: Model, prepared: Prepared) -> FittedModel:
-    return fitted_on(identify(model, prepared.train, optimisers=()), prepared)
+def _refitted(model: Model, whole: FittedModel) -> FittedModel:
+    """Return a model with fewer numbers than a `whole` one, fitted from where that is."""
+    known = dict(zip((entry.name for entry in whole.model.shapes), np.median(whole.fit.shapes, axis=0), strict=True))
+    start = np.array([known[entry.name] for entry in model.shapes]) if model.shapes else None
+    return fitted_on(identify(model, whole.prepared.train, optimisers=(), start=start), whole.prepared)
 
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
@@ -155,7 +158,7 @@ def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: 
 
 def _leaves_more(answer: Diagnosis) -> bool:
     """True if a machine's answer leaves more than noise, or what follows a variable."""
-    return not answer.outside and (answer.error is not None or answer.verdict == "unexplained")
+    return not answer.outside and (answer.verdict == "unexplained" or bool(answer.more_missing))
 
 
 def _with_own(
@@ -184,7 +187,7 @@ def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
     own = belonging_to(last, rules)
     if own is None or not own.needless:
         return own
-    without = belonging_to(_refitted(last.model.without(*own.needless), last.prepared), rules)
+    without = belonging_to(_refitted(last.model.without(*own.needless), last), rules)
     return without and replace(without, needless=own.needless)
 
 
