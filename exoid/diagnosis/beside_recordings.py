@@ -146,12 +146,15 @@ def _refitted(model: Model, whole: FittedModel) -> FittedModel:
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
     """True if a `rival` beside numbers of recordings may stand in place of an answer without; where more than noise is
-    left beside these, only of one that leaves more, too, and where they are the `main` explanation.
+    left beside these, only of one that leaves more, too, and where they are the `main` explanation, or zeros, which are
+    usual, beside the same effects.
     """
     if rival.verdict == "check_channels" or rival.outside:
         return False
     if _leaves_more(rival):
-        return _leaves_more(answer) and main
+        kept = {effect.name for effect in answer.accepted} <= {effect.name for effect in rival.accepted}
+        zeros = all(held.claim.everyone for held in own.held)
+        return _leaves_more(answer) and (main or (kept and zeros))
     # What is another machine's is explained by as many numbers as a machine has.
     return answer.error is not None or not own.of_a_machine(answer.left_out)
 
