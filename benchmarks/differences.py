@@ -53,9 +53,9 @@ class Machine:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What one run has to itself from the time `since` s on: zeros (J,), gains (J,), frictions (J,) in parts of the
-    usual, a load in kg on its last link; and how `late` s and `fast` the clock of its torques is. `warm` is the
-    temperature above the usual in K, from which each joint's friction falls by `cools` (J,).
+    """Numbers of one run from the time `since` s on: zeros (J,), gains (J,), frictions (J,) in parts of the usual, a
+    load in kg on its last link; and how `late` s and `fast` the clock of its torques is. `warm` (N, J) is the part by
+    which friction is less, since the joint is warm.
     """
 
     zero: Float
@@ -139,7 +139,7 @@ def some_of(rng: np.random.Generator) -> list[int]:
 
 
 def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[list[Run], Truth]:
-    """What each run has to itself where they differ in one `kind`, and what has to be told."""
+    """Runs that differ in one `kind`, and the truth that has to be told."""
     many = machine.count
     usual = Run(np.zeros(many), np.ones(many), np.ones(many))
     runs, joint = [usual] * RUNS, int(rng.integers(many))
@@ -202,15 +202,18 @@ def drawn(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording]
         q = np.round(motion(T).q / 1e-4) * 1e-4
         logged = {}
         if kind == "temperature":
-            (_, name), (per_kelvin) = next(iter(truth)), run.warm.max(axis=1) + run.warm.min(axis=1)
-            logged = {f"temperature_{name}": Logged(T[::100], 33.0 + 1000.0 * per_kelvin[::100] / 15.0, "degC", 0.05)}
+            (_, name), warm = next(iter(truth)), run.warm.sum(axis=1)  # of one joint: the others' are zero
+            logged = {f"temperature_{name}": Logged(T[::100], 33.0 + 1000.0 * warm[::100] / 15.0, "degC", 0.05)}
         recordings.append(Recording(f"run_{k}", T, q, tau, joints=joints, logged=logged))
     model = Model("chain", limits={}, joints=joints)
     return model, recordings, truth, f"{hidden.effect}:{NAMES[hidden.joint]}" if hidden else ""
 
 
 def judged(seed: int, kind: str, *, effect: bool) -> tuple[str, int, int]:
-    """What is wrong with the answer to a set, "" for nothing; how many numbers are told, how many hold the truth."""
+    """Faults of the answer to a set, "" without any; how many numbers are told, and how many of them hold the truth.
+
+    Of what holds from a moment on, the moment is not asked about.
+    """
     model, recordings, truth, hidden = drawn(seed, kind, effect=effect)
     held = int(np.random.default_rng(seed).integers(RUNS))
     answer = discover(model, [r for k, r in enumerate(recordings) if k != held], [recordings[held]])
