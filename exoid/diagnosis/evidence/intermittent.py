@@ -3,7 +3,8 @@
 Then the model as it stands, with numbers fitted to the rest of the time alone (least trimmed squares over windows),
 leaves noise there; what is left otherwise is far from noise, comes and goes in every recording, and is no function of
 the motion: neither with other numbers nor with smooth curves in angles and velocities is it predicted in a recording
-that was left out. A stop, a bump or another load in part of the time is one of these, and is the search's to find.
+that was left out, nor does an entry of the catalogue explain much of it. A stop, a bump or another load in part of the
+time is one of these, and is the search's to find.
 What moves every joint is the ground however well the motion predicts it, where one force upwards on the last link would
 do it, or where it acts while that link's foot moves one way and not while it moves the other, as a foot on the ground
 does: steps resemble each other, and soft ground is a spring at a height.
@@ -18,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exoid.diagnosis.evidence.best_effects import most_effects
 from exoid.diagnosis.evidence.columns import stacked
 from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
@@ -74,9 +76,14 @@ class Intermittent:
     foot: str
 
     @property
+    def is_ground(self) -> bool:
+        """True if it pushes as the ground under a foot does."""
+        return bool(self.force or self.foot)
+
+    @property
     def likeness(self) -> str:
         """The sign that it is told by, in words."""
-        return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
+        return "as the ground under a foot does" if self.is_ground else "and is no function of the motion"
 
     def sentence(self, joints: Sequence[Joint]) -> str:
         """The phase in which it acts and how large it is, for people."""
@@ -90,7 +97,7 @@ class Intermittent:
             f"{self.seconds:.2g} s ({100 * self.share:.0f} % of the time){when}. While it acts it makes {sizes[0]} "
             f"(RMS); the rest of the time the model as it is leaves {sizes[1]}, before any filter."
             + "".join(f" {said[0].upper()}{said[1:]}." for said in (self.force, self.foot) if said)
-            + (f" Is it {'the ground under a foot' if self.force or self.foot else 'a person, or something touched'}?")
+            + (f" Is it {'the ground under a foot' if self.is_ground else 'a person, or something touched'}?")
         )
 
 
@@ -145,6 +152,8 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         plain = far_away and all(map(len, episodes)) and _of_two_kinds(losses, quiet) >= rules.most
         large = _rms(views, rest, acts) > rules.artefact * far
         if not plain or not np.any(large & _beyond_curves(base, x, acts, rules)):
+            return None
+        if most_effects(base, rules).model is not base.model:  # an entry of the catalogue explains much of it
             return None
     sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
     times = [each / view.recording.rate for view, each in zip(views, episodes, strict=True)]

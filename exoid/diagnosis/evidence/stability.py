@@ -86,17 +86,22 @@ class Splits:
         """Return the same as `term` where the model is refitted in every split, its shape values too.
 
         Far from where they were found, shape values are not linear: a split without the slowest recording knows little
-        of a width.
+        of a width. What each model leaves is weighted as the gain that is expected is.
         """
         rivals, gains = (fitted.model, fitted.model.without(name)), []
-        recordings, sigma = fitted.prepared.all, self.evidence.sigma
+        recordings = fitted.prepared.all
+        weights = [np.zeros(block.residual.shape) for block in self.evidence.blocks]
+        for unit in range(self.evidence.count):
+            index, weight = self.evidence.unit(unit)
+            weights[index] += weight
         for held in self.held_out:
             kept, unseen = (tuple(p for k, p in enumerate(recordings) if (k in held) == out) for out in (False, True))
             split, losses = replace(fitted.prepared, train=kept, verify=unseen), []
             for model in rivals:
                 own = [k for k, shape in enumerate(fitted.model.shapes) if shape.term in {t.name for t in model.terms}]
                 fit = identify(model, kept, optimisers=(), start=fitted.shape[own] if own else None)
-                losses.append(fitted_model(fit, split).unseen_loss(sigma, self.rules))
+                left = fitted_model(fit, split).residuals[len(kept) :]
+                losses.append(sum(float(np.sum(weights[k] * r**2)) for k, r in zip(held, left, strict=True)))
             gains.append(losses[1] - losses[0])
         return self.term(fitted, name, gains)
 
