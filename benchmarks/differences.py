@@ -20,6 +20,7 @@ import numpy as np
 
 from benchmarks.arena.plants.equations import EFFECTS, NAMES, At, Links, rigid
 from exoid.diagnosis import discover
+from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.measurement.logged import Logged
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import Joint
@@ -32,6 +33,8 @@ KINDS = (
     "zeros", "load", "gain", "friction", "temperature", "late clock", "fast clock", "load from then on",
     "zero from then on",
 )  # fmt: skip
+MOMENT = 0.1
+"""Seconds to which a moment has to be told."""
 HIDDEN = ("stribeck", "load_friction", "viscous_quadratic", "end_stop", "hardening_spring")
 
 
@@ -78,8 +81,24 @@ class Hidden:
     drawn: Float
 
 
-Truth = Mapping[tuple[str, str | None], Mapping[str, float]]
-"""{(what, joint): {run: its number}}"""
+@dataclass(frozen=True)
+class Difference:
+    """What differs at a joint, None for all: `values` {run: its number}, empty where each moment has its own, from
+    `since` s on, from the beginning where that is 0.
+    """
+
+    what: str
+    joint: str | None
+    values: Mapping[str, float]
+    since: float = 0.0
+
+    def is_told(self, said: Belonging) -> bool:
+        """True if a statement is about the same runs, and the same part of them."""
+        starts = [start for start, stop in said.spans.values() if start is not None and stop is None]
+        same = (said.what, said.joint) == (self.what, self.joint) and len(starts) == len(said.spans)
+        there = all(abs(start - self.since) < MOMENT for start in starts)
+        whole = {*said.spans} == ({*said.values} if self.since else set())
+        return same and there and whole and (not self.values or {*said.values} == {*self.values})
 
 
 def machine_of(rng: np.random.Generator) -> Machine:
@@ -138,7 +157,7 @@ def some_of(rng: np.random.Generator) -> list[int]:
     return sorted(rng.choice(RUNS, int(rng.integers(1, 3)), replace=False).tolist())
 
 
-def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[list[Run], Truth]:
+def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[list[Run], list[Difference]]:
     """Runs that differ in one `kind`, and the truth that has to be told."""
     many = machine.count
     usual = Run(np.zeros(many), np.ones(many), np.ones(many))
@@ -147,29 +166,30 @@ def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[li
     which, names = some_of(rng), [f"run_{k}" for k in range(RUNS)]
     sign = 1.0 if rng.random() < 0.5 else -1.0
     if kind == "nothing":
-        return runs, {}
+        return runs, []
     if kind == "zeros":
         zeros = rng.uniform(0.4, 1.5) * rng.standard_normal((RUNS, many))
         zeros *= np.ones(many) if rng.random() < 0.5 else unit
-        truth = {("sensor_zero", NAMES[j]): dict(zip(names, x.tolist(), strict=True)) for j, x in enumerate(zeros.T)}
-        return [replace(usual, zero=x) for x in zeros], {key: x for key, x in truth.items() if any(x.values())}
+        each = [dict(zip(names, x.tolist(), strict=True)) for x in zeros.T]
+        truth = [Difference("sensor_zero", NAMES[j], x) for j, x in enumerate(each) if any(x.values())]
+        return [replace(usual, zero=x) for x in zeros], truth
     if kind == "fast clock":
         fast = sign * float(rng.uniform(0.001, 0.004))
-        return [replace(usual, fast=fast)] * RUNS, {("clock_rate", None): dict.fromkeys(names, fast)}
+        return [replace(usual, fast=fast)] * RUNS, [Difference("clock_rate", None, dict.fromkeys(names, fast))]
     if kind == "temperature":
         warm = np.array([20.0, 26.0, 33.0, 40.0])[rng.permutation(RUNS)]
         rises = warm[:, None] + rng.uniform(2.0, 8.0, (RUNS, 1)) * (1.0 - np.exp(-T / 8.0))
         slope = float(rng.uniform(0.01, 0.02))
         made = [replace(usual, warm=slope * (x[:, None] - 33.0) * unit) for x in rises]
-        return made, {(f"logged:temperature_{name}", name): {}}
+        return made, [Difference(f"logged:temperature_{name}", name, {})]
     if kind in ("load from then on", "zero from then on"):
         since, k = float(rng.uniform(0.3, 0.7) * SECONDS), which[0]
         load, zero = float(rng.uniform(0.3, 1.0) * machine.links.mass[-1]), sign * float(rng.uniform(0.5, 1.5))
         if kind == "load from then on":
             runs[k] = replace(usual, load=load, since=since)
-            return runs, {("carried_load", last): {names[k]: load}}
+            return runs, [Difference("carried_load", last, {names[k]: load}, since)]
         runs[k] = replace(usual, zero=zero * unit, since=since)
-        return runs, {("sensor_zero", name): {names[k]: zero}}
+        return runs, [Difference("sensor_zero", name, {names[k]: zero}, since)]
     change, what, value = {
         "load": ("load", ("carried_load", last), float(rng.uniform(0.3, 1.0) * machine.links.mass[-1])),
         "gain": ("gain", ("torque_gain", name), float(np.exp(sign * rng.uniform(0.1, 0.35)))),
@@ -180,10 +200,10 @@ def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[li
     which = which if kind == "load" else which[:1]  # of two and two nobody knows which are usual
     for k in which:
         runs[k] = replace(usual, **{change: own})
-    return runs, {what: {names[k]: value for k in which}}
+    return runs, [Difference(*what, {names[k]: value for k in which})]
 
 
-def drawn(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording], Truth, str]:
+def drawn(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording], list[Difference], str]:
     """A model, its recordings, what differs between them, and the effect that is hidden, "" for none."""
     rng = np.random.default_rng(seed)
     machine = machine_of(rng)
@@ -202,33 +222,29 @@ def drawn(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording]
         q = np.round(motion(T).q / 1e-4) * 1e-4
         logged = {}
         if kind == "temperature":
-            (_, name), warm = next(iter(truth)), run.warm.sum(axis=1)  # of one joint: the others' are zero
-            logged = {f"temperature_{name}": Logged(T[::100], 33.0 + 1000.0 * warm[::100] / 15.0, "degC", 0.05)}
+            at, warm = truth[0].joint, run.warm.sum(axis=1)  # of one joint: the others' are zero
+            logged = {f"temperature_{at}": Logged(T[::100], 33.0 + 1000.0 * warm[::100] / 15.0, "degC", 0.05)}
         recordings.append(Recording(f"run_{k}", T, q, tau, joints=joints, logged=logged))
     model = Model("chain", limits={}, joints=joints)
     return model, recordings, truth, f"{hidden.effect}:{NAMES[hidden.joint]}" if hidden else ""
 
 
 def judged(seed: int, kind: str, *, effect: bool) -> tuple[str, int, int]:
-    """Faults of the answer to a set, "" without any; how many numbers are told, and how many of them hold the truth.
-
-    Of what holds from a moment on, the moment is not asked about.
-    """
+    """Faults of the answer to a set, "" without any; how many numbers are told, and how many of them hold the truth."""
     model, recordings, truth, hidden = drawn(seed, kind, effect=effect)
     held = int(np.random.default_rng(seed).integers(RUNS))
     answer = discover(model, [r for k, r in enumerate(recordings) if k != held], [recordings[held]])
-    told = {(item.what, item.joint): item for item in answer.of_recordings}
+    pairs = [(said, item) for said in answer.of_recordings for item in truth if item.is_told(said)]
     named = [(item.name, *item.look_alikes) for item in answer.accepted]
     wrong = []
-    if set(told) != set(truth) or any(x and set(told[key].values) != set(x) for key, x in truth.items() if key in told):
+    if not len(pairs) == len(truth) == len(answer.of_recordings):
         wrong.append(f"told {'; '.join(item.sentence for item in answer.of_recordings) or 'nothing'}")
     if (not hidden and named) or (hidden and (len(named) != 1 or hidden not in named[0])):
         wrong.append(f"named {named or 'nothing'} for {hidden or 'nothing'}")
     if answer.verdict != ("adequate" if not hidden else "missing") and not (hidden and answer.verdict == "ambiguous"):
         wrong.append(answer.verdict)
-    pairs = [(told[key].values[run], x) for key in truth if key in told for run, x in truth[key].items()
-             if run in told[key].values]  # fmt: skip
-    return "; ".join(wrong), len(pairs), sum(e.low <= x <= e.high for e, x in pairs)
+    numbers = [(said.values[run], x) for said, item in pairs for run, x in item.values.items()]
+    return "; ".join(wrong), len(numbers), sum(e.low <= x <= e.high for e, x in numbers)
 
 
 def main() -> None:

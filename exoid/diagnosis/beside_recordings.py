@@ -14,6 +14,7 @@ from exoid.diagnosis.machine_answer import Asking, answer_of_machine
 from exoid.diagnosis.own_numbers.compared import explained_by, least_left, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
+from exoid.diagnosis.own_numbers.state import UNCUT, Cuts
 from exoid.diagnosis.question import Question
 from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.rules import Rules
@@ -39,9 +40,7 @@ def answer_beside_recordings(
     """Return an answer beside what belongs to recordings; None where that does not predict clearly better."""
     pushed, answer = answer.outside, answer.inside or answer
     whole = fitted_on(answer.fit, base.prepared)
-    common = _common(answer)
-    last = whole if common.terms == answer.model.terms else _refitted(common, whole)
-    against = _Against(asking, base, answer, last, whole)
+    against = _Against(asking, base, answer, _common(answer, whole), whole)
     rivals = []
     for own in against.promising():
         rival = against.answer_beside(own, recordings, verify)
@@ -127,14 +126,15 @@ class _Against:
         return with_own(rival, told, self.base, caution)
 
 
-def _common(answer: Diagnosis) -> Model:
-    """Return the model of an answer without numbers that each recording has: an effect that was found with such, as a
-    delay, may be what belongs to some, and places that differ may be its trace.
+def _common(answer: Diagnosis, whole: FittedModel) -> FittedModel:
+    """Return the model of an answer (`whole`) without numbers that each recording has, refitted: an effect that was
+    found with such, as a delay, may be what belongs to some, and places that differ may be its trace.
     """
     found = {effect.name for effect in answer.accepted}
     kept = [term for term in answer.model.terms if term.name not in found or not term.effect.has_own_numbers]
     terms = (replace(term, own_places=term.own_places and term.name not in found) for term in kept)
-    return replace(answer.model, terms=tuple(terms))
+    model = replace(answer.model, terms=tuple(terms))
+    return whole if model.terms == answer.model.terms else _refitted(model, whole)
 
 
 def _refitted(model: Model, whole: FittedModel) -> FittedModel:
@@ -160,8 +160,8 @@ def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: 
 
 
 def _leaves_more(answer: Diagnosis) -> bool:
-    """True if a machine's answer leaves more than noise, or what follows a variable."""
-    return not answer.outside and (answer.verdict == "unexplained" or bool(answer.more_missing))
+    """True if a machine's answer leaves more than noise, or what follows a variable, or names nothing."""
+    return not answer.outside and (answer.verdict in ("unexplained", "check_channels") or bool(answer.more_missing))
 
 
 def _with_own(
@@ -176,22 +176,42 @@ def _with_own(
         if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
             break
         kept = rival, fitted_on(rival.fit, without), own
-        own = _belonging_beside(fitted_on(rival.fit, own.carried(given)), again.rules) or own
+        last = _common(rival, fitted_on(rival.fit, own.carried(given)))
+        own = _belonging_beside(last, again.rules, own.cuts) or own
+        unsure = [effect.name for effect in rival.accepted if effect.look_alikes]
+        own = _without_needless(last, own, unsure, given, again.rules)
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own
     assert kept is not None
     return kept
 
 
-def _belonging_beside(last: FittedModel, rules: Rules) -> OwnNumbers | None:
-    """Numbers that belong to recordings beside a model that was found, without its effects that do no more than these,
-    which stay `needless`.
+def _belonging_beside(last: FittedModel, rules: Rules, changed: Cuts = UNCUT) -> OwnNumbers | None:
+    """Numbers that belong to recordings, some of which `changed`, beside a model that was found, without its effects
+    that do no more than these, which stay `needless`.
     """
-    own = belonging_to(last, rules)
+    own = belonging_to(last, rules, changed)
     if own is None or not own.needless:
         return own
-    without = belonging_to(_refitted(last.model.without(*own.needless), last), rules)
+    without = belonging_to(_refitted(last.model.without(*own.needless), last), rules, changed)
     return without and replace(without, needless=own.needless)
+
+
+def _without_needless(
+    last: FittedModel, own: OwnNumbers, unsure: Sequence[str], given: Prepared, rules: Rules
+) -> OwnNumbers:
+    """Numbers of recordings beside a model without those of its `unsure` effects that numbers found anew make up for,
+    which are needless then.
+    """
+    for name in unsure:
+        fewer = _refitted(last.model.without(name), last)
+        found = _belonging_beside(fewer, rules, own.cuts)
+        if found is None:
+            continue
+        plainer, fuller = (o.beside(m.model, given) for o, m in ((found, fewer), (own, last)))
+        if not predicts_better(plainer, fuller, rules, own.cuts):
+            last, own = fewer, replace(found, needless=(*own.needless, *found.needless, name))
+    return own
 
 
 def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> Iterator[FittedModel]:

@@ -125,7 +125,7 @@ def _inside(
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
-    accepted = _agreed(accepted_of(extensions, rules), agreements, done.context.prepared)
+    accepted = _agreed(accepted_of(extensions, rules, question.own), agreements, done.context.prepared)
     if prepared.angles_were_filtered:
         accepted = tuple(replace(effect, doubted=True) for effect in accepted)
     soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)

@@ -120,7 +120,10 @@ class Accepted(AsJson):
     def stability(self) -> str:
         """In how many splits of the recordings it is accepted, with which values; "" where none can tell."""
         units = {name: e.unit for name, e in self.parameters.items()}
-        return stability_of(self.agreement, units, self.against, lambda key: number_of(f"{self.effect}.{key}"))
+        unknown = {name for name, e in self.parameters.items() if e.is_unknown}
+        known = {name: ends for name, ends in self.agreement.ranges.items() if name not in unknown}
+        agreement = replace(self.agreement, ranges=known)
+        return stability_of(agreement, units, self.against, lambda key: number_of(f"{self.effect}.{key}"))
 
     def _json(self) -> dict[str, Any]:
         return {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -20,7 +21,7 @@ from exoid.diagnosis.evidence.score import Score, share_of_own_joints
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
-from exoid.diagnosis.own_numbers.numbers import Belonging
+from exoid.diagnosis.own_numbers.numbers import Belonging, OwnNumbers
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
@@ -94,16 +95,24 @@ def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
     return {e.name.removeprefix(prefix): e for e in fit.estimates if e.name.startswith(prefix)}
 
 
-def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[Accepted, ...]:
-    """Return the effects that were added, with their numbers in the last model."""
+def accepted_of(
+    extensions: Sequence[Extension], rules: Rules = RULES, own: OwnNumbers | None = None
+) -> tuple[Accepted, ...]:
+    """Return the effects that were added, with their numbers in the last model, which are not known where recordings
+    have some of their `own` that do the same.
+    """
     last = extensions[-1]
     times = times_noise(last.fitted)
+    mixed = own.mixed_with(last.fitted, rules) if own is not None and len(extensions) > 1 else frozenset[str]()
     accepted = []
     for before, extension in pairwise(extensions):
         score = extension.added
         assert score is not None
         term = next(item for item in last.fitted.model.terms if item.name == score.name)
         numbers, share = estimates_in(last.fitted.fit, term.name), before.explained(extension, rules)
+        for name in mixed & {entry.name for entry in numbers.values()}:
+            key = name.removeprefix(f"{term.name}.")
+            numbers[key] = replace(numbers[key], low=-math.inf, high=math.inf)
         accepted.append(
             Accepted(
                 effect=term.effect.id,
@@ -114,7 +123,7 @@ def accepted_of(extensions: Sequence[Extension], rules: Rules = RULES) -> tuple[
                 p_value=float(score.p_value or 1.0),
                 rms_before=before.fitted.evaluation_rms,
                 rms_after=extension.fitted.evaluation_rms,
-                sentence=sentence_of(term, numbers, known_with_shape(last.fitted, term.name)),
+                sentence=sentence_of(term, numbers, known_with_shape(last.fitted, term.name) | mixed),
                 left=float(times[list(score.candidate.joints)].max()),
                 share=share,
             )

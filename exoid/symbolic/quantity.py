@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,11 @@ class Estimate(AsJson):
     unit: str
     low: float
     high: float
+
+    @property
+    def is_unknown(self) -> bool:
+        """True if any value would do."""
+        return self.low == -math.inf and self.high == math.inf
 
     def __str__(self) -> str:
         return f"{self.name} = {self.value:.4g} {self.unit} (95 %: {self.low:.4g} to {self.high:.4g})"

@@ -27,7 +27,7 @@ def changes_of(fits: Fits, state: State) -> Cuts:
     state = (*state, *(Claimed(claim, claim.nodes[0], (every,)) for claim in zeros))
     step = fits.together(state)
     own = np.concatenate([np.r_[fits.place[claim]] for claim in fits.claims if not claim.common])
-    found: Cuts = {}
+    found: dict[int, int] = {}
     for k, (rows, left) in enumerate(zip(fits.rows, fits.left_by(state, [step, step]), strict=True)):
         rate = fits.now.prepared.all[k].kept_rate
         least, many = int(LEAST * rate), rows.shape[1]
@@ -57,7 +57,7 @@ def sharpened(fits: Fits, state: State) -> Cuts:
     """Cuts of those recordings whose parts differ in what is held, at the sample that fits best."""
     step = fits.together(state)
     own = fits.chosen(state) @ np.append(-step, 1.0)
-    found: Cuts = {}
+    found: dict[int, int] = {}
     for k, parts in enumerate(fits.everyone):
         if len(parts) < 2 or np.array_equal(own[parts[0]], own[parts[1]]):
             continue

@@ -104,6 +104,12 @@ class Fits:
         known = [item.claim for item in state]
         return {k for k, claims in self.alike.items() if any(claim in known for claim in claims)}
 
+    def mixed_with(self, claim: Claim) -> tuple[str, ...]:
+        """Names of the model's numbers that do what a claim of everyone does: only how recordings differ is known."""
+        names = [parameter.name for parameter in self.now.model.parameters]
+        alike = ({item.place for item in claims if item.what == claim.what} for claims in self.alike.values())
+        return tuple(names[k] for k, at in zip(self.alike, alike, strict=True) if k < len(names) and claim.place in at)
+
     def needless(self, state: State) -> tuple[str, ...]:
         """Terms of the model that do no more than what each recording has, such as an offset beside zeros."""
         model, held = self.now.model, self._held(state)

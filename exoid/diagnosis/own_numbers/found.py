@@ -18,7 +18,7 @@ from exoid.diagnosis.own_numbers.changes import changes_of, sharpened
 from exoid.diagnosis.own_numbers.compared import clearer, total
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers, with_numbers
-from exoid.diagnosis.own_numbers.state import Claimed, State
+from exoid.diagnosis.own_numbers.state import UNCUT, Claimed, Cuts, State
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.ties import ascending, index_of_least, least_of
 
@@ -30,17 +30,21 @@ MOVES, HALVINGS = 30, 6
 """Steps to it at most, and how often one that does not help is halved."""
 
 
-def belonging_to(now: FittedModel, rules: Rules = RULES) -> OwnNumbers | None:
-    """Numbers that belong to recordings, or to a part of them, beside a model; None where none do."""
+def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT) -> OwnNumbers | None:
+    """Numbers that belong to recordings, or to a part of them, beside a model; None where none do.
+
+    Recordings that `changed` are cut there first: what drives bear from then on bends other columns, too.
+    """
     names = [item.name for item in now.prepared.all]
     if len(set(names)) < len(names) or len(names) > rules.own_recordings:
         return None
     fits = Fits(now, rules, {})
     held = _Search(fits).found(())
-    cuts = changes_of(fits, held)
+    cuts: Cuts = {**changes_of(fits, held), **changed}
     if cuts:
         in_parts = Fits(now, rules, cuts)
-        then = _Search(in_parts).found(in_parts.moved(fits, held))
+        search = _Search(in_parts)
+        then = search.found(search.regrouped(in_parts.moved(fits, held)))
         if cuts := sharpened(in_parts, then):
             fits = Fits(now, rules, cuts)
             held = _Search(fits).placed(fits.moved(in_parts, then))
@@ -143,6 +147,14 @@ class _Search:
                     state = (*state, own)
             if state == before:
                 return state
+
+    def regrouped(self, state: State) -> State:
+        """The same claims with those parts of recordings that have them, where whole recordings had them before."""
+        for item in state:
+            rest = tuple(other for other in state if other is not item)
+            own = item.claim.everyone or item.claim.common or item.claim.whole
+            state = state if own else (*rest, self._grown(rest, item))
+        return state
 
     def placed(self, state: State) -> State:
         """The same claims, each at the node that fits best."""

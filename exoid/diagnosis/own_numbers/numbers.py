@@ -26,6 +26,7 @@ from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
+from exoid.symbolic.wording import called, number_of
 
 TIME = 1e-3
 """Part of the time between kept samples to which the moment of a change is found."""
@@ -215,6 +216,12 @@ class OwnNumbers:
         first, new = ({(b.what, b.joint, n): e for b in own.told for n, e in b.values.items()} for own in (self, other))
         return first.keys() == new.keys() and all(new[k].low <= e.value <= new[k].high for k, e in first.items())
 
+    def mixed_with(self, fitted: FittedModel, rules: Rules) -> frozenset[str]:
+        """Names of the numbers of a model that do what each recording has: of either only their sum is known."""
+        everyone = [held.claim for held in self.held if held.claim.everyone]
+        fits = Fits(fitted, rules, {}) if everyone else None
+        return frozenset(name for claim in everyone if fits for name in fits.mixed_with(claim))
+
     def without(self, names: Sequence[str]) -> tuple[Belonging, ...]:
         """Statements about the recordings that are not among `names`."""
         kept = (replace(b, values={n: e for n, e in b.values.items() if n not in names}) for b in self.told)
@@ -355,12 +362,16 @@ def _told(
             values[name] = Estimate(claim.what, x, unit, x - w, x + w)
             if halved:
                 spans[name] = part.span(prepared)
-    out = []
+    out, mixed = [], fits.mixed_with(claim) if claim.everyone else ()
     for values, spans in told.values():
         said = {name: _said(values[name], claim.shown) for name in sorted(values)}
         where = "" if place is None else f" at {_said(place)}{_in_space(held.node, spread.width[spread.places[claim]])}"
         sentence = sentence_on(claim, said, where, _when(spans))
         ordered = {name: values[name] for name in said}
+        if mixed:
+            others = " and ".join(f"{number_of(name)} ({called(name.rpartition('.')[0])})" for name in mixed)
+            sentence += f"; only how they differ is known: {others} would do the same"
+            ordered = {name: replace(value, low=-np.inf, high=np.inf) for name, value in ordered.items()}
         out.append(Belonging(claim.what, claim.place, unit, ordered, sentence, place, spans))
     return out
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,8 +17,9 @@ from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.joints import Vector
 from exoid.symbolic.motion import Float
 
-Cuts = dict[int, int]
+Cuts = Mapping[int, int]
 """{recording: its kept sample from which on something may be different}, by index."""
+UNCUT: Cuts = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
