@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -40,7 +40,7 @@ def answer_beside_recordings(
     """Return an answer beside what belongs to recordings; None where that does not predict clearly better."""
     pushed, answer = answer.outside, answer.inside or answer
     whole = fitted_on(answer.fit, base.prepared)
-    against = _Against(asking, base, answer, _common(answer, whole), whole)
+    against = _Against(asking, base, answer, _common(whole, _names(answer)), whole)
     rivals = []
     for own in against.promising():
         rival = against.answer_beside(own, recordings, verify)
@@ -126,15 +126,13 @@ class _Against:
         return with_own(rival, told, self.base, caution)
 
 
-def _common(answer: Diagnosis, whole: FittedModel) -> FittedModel:
-    """Return the model of an answer (`whole`) without numbers that each recording has, refitted: an effect that was
-    found with such, as a delay, may be what belongs to some, and places that differ may be its trace.
+def _common(whole: FittedModel, found: Collection[str]) -> FittedModel:
+    """Return a model without numbers that each recording has, refitted: a term that was `found` with such, as a delay,
+    may be what belongs to some, and places that differ may be its trace.
     """
-    found = {effect.name for effect in answer.accepted}
-    kept = [term for term in answer.model.terms if term.name not in found or not term.effect.has_own_numbers]
-    terms = (replace(term, own_places=term.own_places and term.name not in found) for term in kept)
-    model = replace(answer.model, terms=tuple(terms))
-    return whole if model.terms == answer.model.terms else _refitted(model, whole)
+    kept = [term for term in whole.model.terms if term.name not in found or not term.effect.has_own_numbers]
+    terms = tuple(replace(term, own_places=term.own_places and term.name not in found) for term in kept)
+    return whole if terms == whole.model.terms else _refitted(replace(whole.model, terms=terms), whole)
 
 
 def _refitted(model: Model, whole: FittedModel) -> FittedModel:
@@ -152,11 +150,16 @@ def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: 
     if rival.verdict == "check_channels" or rival.outside:
         return False
     if _leaves_more(rival):
-        kept = {effect.name for effect in answer.accepted} <= {effect.name for effect in rival.accepted}
+        kept = _names(answer) <= _names(rival)
         zeros = all(held.claim.everyone for held in own.held)
         return _leaves_more(answer) and (main or (kept and zeros))
     # What is another machine's is explained by as many numbers as a machine has.
     return answer.error is not None or not own.of_a_machine(answer.left_out)
+
+
+def _names(answer: Diagnosis) -> frozenset[str]:
+    """Names of the effects of an answer."""
+    return frozenset(effect.name for effect in answer.accepted)
 
 
 def _leaves_more(answer: Diagnosis) -> bool:
@@ -176,10 +179,8 @@ def _with_own(
         if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
             break
         kept = rival, fitted_on(rival.fit, without), own
-        last = _common(rival, fitted_on(rival.fit, own.carried(given)))
+        last = _common(fitted_on(rival.fit, own.carried(given)), _names(rival))
         own = _belonging_beside(last, again.rules, own.cuts) or own
-        unsure = [effect.name for effect in rival.accepted if effect.look_alikes]
-        own = _without_needless(last, own, unsure, given, again.rules)
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own
     assert kept is not None
@@ -195,23 +196,6 @@ def _belonging_beside(last: FittedModel, rules: Rules, changed: Cuts = UNCUT) ->
         return own
     without = belonging_to(_refitted(last.model.without(*own.needless), last), rules, changed)
     return without and replace(without, needless=own.needless)
-
-
-def _without_needless(
-    last: FittedModel, own: OwnNumbers, unsure: Sequence[str], given: Prepared, rules: Rules
-) -> OwnNumbers:
-    """Numbers of recordings beside a model without those of its `unsure` effects that numbers found anew make up for,
-    which are needless then.
-    """
-    for name in unsure:
-        fewer = _refitted(last.model.without(name), last)
-        found = _belonging_beside(fewer, rules, own.cuts)
-        if found is None:
-            continue
-        plainer, fuller = (o.beside(m.model, given) for o, m in ((found, fewer), (own, last)))
-        if not predicts_better(plainer, fuller, rules, own.cuts):
-            last, own = fewer, replace(found, needless=(*own.needless, *found.needless, name))
-    return own
 
 
 def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> Iterator[FittedModel]:
@@ -231,4 +215,4 @@ def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> I
     nearest = ascending(plain, lambda suspect: -suspect.explained_share, 1.0)[:NEAREST]
     for suspect in nearest:
         scores = context.all_weighed(start, context.evidence(start, draws=0), [known[suspect.name]])
-        yield fitted_on(context.with_term(start, scores[0]).fitted.fit, given)
+        yield _common(fitted_on(context.with_term(start, scores[0]).fitted.fit, given), [suspect.name])

@@ -124,7 +124,7 @@ class FittedModel:
         for k, (loss, item) in enumerate(zip(self._losses(scale, rules), self.prepared.all, strict=True)):
             cut = cuts.get(k, 0)
             for first, last in ((0, cut), (cut, loss.shape[1])) if cut else ((0, loss.shape[1]),):
-                starts = starts_within(item.starts(rules.block_seconds), first, last)
+                starts = item.starts_within(rules.block_seconds, first, last)
                 out.append(np.add.reduceat(loss[:, first:last].sum(axis=0), starts))
         return out
 
@@ -150,9 +150,11 @@ class FittedModel:
             _block(self.model, item, self.linear, shape, residual, part)
             for item, shape, residual, part in zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True)
         ]
+        # Of zeros that were found beside another model a little is left, which is no effect.
+        blocks = [block.beside_offsets(self.prepared.zeroed) for block in blocks]
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
-        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0])
+        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0, np.zeros(len(self.prepared.zeroed))])
         friction = self.model.friction
         numbers = friction.start, self.linear[friction].reshape(-1, 2)
         return Evidence(
@@ -226,11 +228,6 @@ def fit_as_of(fit: Fit, prepared: Prepared) -> Fit:
     if len(fit.shapes) == len(prepared.train):
         return fit
     return replace(fit, shapes=np.broadcast_to(fit.shape, (len(prepared.train), len(fit.shape))))
-
-
-def starts_within(starts: np.ndarray, first: int, last: int) -> np.ndarray:
-    """Starts of the blocks of a part of a recording, from its sample `first` to before `last`, counted from there."""
-    return np.array([0, *(starts[(starts > first) & (starts < last)] - first)])
 
 
 def lag(loss: Float, least: Float) -> float:

@@ -55,6 +55,12 @@ class RecordingEvidence:
     fold: np.ndarray
     starts: Callable[[float], np.ndarray]
 
+    def beside_offsets(self, joints: Sequence[int]) -> RecordingEvidence:
+        """Return the same with an offset of the torque at each of the joints (indices) among the columns, the last."""
+        each = np.eye(len(self.residual))[:, None, list(joints)]
+        offsets = np.repeat(each, self.residual.shape[1], axis=1)
+        return replace(self, columns=np.concatenate([self.columns, offsets], axis=2))
+
 
 class Evidence:
     """Gram blocks of the present model on training and verification recordings, ready to weigh candidates.

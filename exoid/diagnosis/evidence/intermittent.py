@@ -261,7 +261,8 @@ def _beyond_curves(base: FittedModel, x: Float, acts: list[NDArray[np.bool_]], r
     asked = itertools.product(("q", "dq"), range(1, count + 1), range(count))
     found = [splines_along(base, f"{word}{k}", joint, "", rules.knots) for word, k, joint in asked]
     curves = stacked([item.columns for item in found if item is not None], count)
-    moved = np.append(x - base.linear, np.zeros(len(base.model.shapes)))
+    moved = np.zeros(evidence.prior.size)
+    moved[: len(x)] = x - base.linear
     left, whole = np.zeros((2, count))
     for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
         k, weight = evidence.unit(unit)

@@ -204,9 +204,8 @@ def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> CurveData:
     prior = np.append(evidence.prior, np.zeros(joints))
     for index, block in enumerate(evidence.blocks):
         samples = block.residual.shape[1]
-        zeros = np.repeat(np.eye(joints)[:, None, :], samples, axis=1)
-        columns = np.concatenate([block.columns, zeros], axis=2)
-        folded = replace(block, columns=columns, fold=np.arange(samples) * evidence.rules.blocks // samples)
+        fold = np.arange(samples) * evidence.rules.blocks // samples
+        folded = replace(block.beside_offsets(range(joints)), fold=fold)
         alone = Evidence(
             [folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=evidence.rules
         )

@@ -111,8 +111,10 @@ class Splits:
         """
         model = fitted.model
         names = [p.term for p in model.parameters] + [s.term for s in model.shapes]
-        mine = np.array([n == name for n in names])
-        now = np.concatenate([fitted.linear, fitted.shape])
+        now = np.zeros(self.evidence.prior.size)
+        now[: len(names)] = np.concatenate([fitted.linear, fitted.shape])
+        mine = np.arange(now.size) < len(names)
+        mine[mine] = [n == name for n in names]
         # Without its coefficients a term is nothing; one without coefficients is nothing where its first number is 0.
         linear = mine & (np.arange(mine.size) < fitted.linear.size)
         off = linear if linear.any() else mine & (np.cumsum(mine) == 1)

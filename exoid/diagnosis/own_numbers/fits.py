@@ -74,7 +74,8 @@ class Fits:
         self.rows = [rows[part.recording][:, part.kept] for part in self.parts]
         self.use = [self.blocks[part.recording].use[:, part.kept] for part in self.parts]
         self.alike = self._alike([claim for claim in self.claims if claim.everyone])
-        self.starts = [part.starts(self.blocks[part.recording], rules.block_seconds) for part in self.parts]
+        every, seconds = now.prepared.all, rules.block_seconds
+        self.starts = [every[p.recording].starts_within(seconds, p.start, p.stop) for p in self.parts]
         self.curves: dict[str | None, State] = {}
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
         self.grams = self.weigh(())

@@ -149,7 +149,9 @@ class OwnNumbers:
         """
         train = tuple(self._applied(recording, unseen=False) for recording in prepared.train)
         verify = tuple(self._applied(recording, unseen=True) for recording in prepared.verify)
-        return replace(prepared, train=train, verify=verify)
+        names, everyone = self.now.model.joint_names, {held.claim.place for held in self.held if held.claim.everyone}
+        zeroed = tuple(k for k, name in enumerate(names) if name in everyone)
+        return replace(prepared, train=train, verify=verify, zeroed=zeroed)
 
     def carried(self, prepared: Prepared) -> Prepared:
         """The recordings as they are, with the loads that they carry felt by friction."""

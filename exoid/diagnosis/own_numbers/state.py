@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from exoid.diagnosis.evidence.fitted import FittedModel, starts_within
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.hypotheses import Claim, Node, StateColumn
 from exoid.measurement.reading.names import joints_of
@@ -107,10 +107,6 @@ class Part:
     def whole(self) -> bool:
         """True if it is all of the recording."""
         return self.stop - self.start == self.samples
-
-    def starts(self, block: RecordingEvidence, seconds: float) -> np.ndarray:
-        """Samples of the part at which blocks begin that are compared with one another."""
-        return starts_within(block.starts(seconds), self.start, self.stop)
 
     def span(self, prepared: Prepared) -> tuple[float | None, float | None]:
         """From when and until when it lasts, in s of the recording's own time; None for its beginning and end."""

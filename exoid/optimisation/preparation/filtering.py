@@ -260,11 +260,20 @@ class PreparedRecording:
 
     def starts(self, seconds: float) -> np.ndarray:
         """Return the kept samples at which blocks begin that are compared with one another: its strides, or stretches
-        of so many `seconds` where it has none.
+        of about so many `seconds` where it has none.
+        """
+        return self.starts_within(seconds, 0, len(self.kept))
+
+    def starts_within(self, seconds: float, first: int, last: int) -> np.ndarray:
+        """Return the same of the part from its kept sample `first` to before `last`, counted from there.
+
+        Stretches are as long as each other: losses of a short and a long one differ whatever a model does.
         """
         if self.strides is not None:
-            return self.strides.starts(len(self.kept))
-        return np.arange(0, len(self.kept), max(1, int(seconds * self.kept_rate)))
+            starts = self.strides.starts(len(self.kept))
+            return np.array([0, *(starts[(starts > first) & (starts < last)] - first)])
+        count = max(1, round((last - first) / (seconds * self.kept_rate)))
+        return np.arange(count) * (last - first) // count
 
     def parts(self, count: int) -> np.ndarray:
         """Return of every kept sample (K,) in which of `count` about equal parts it is, of whole strides where its

@@ -64,7 +64,8 @@ class Prepared:
 
     `misread` are those of the `findings` that say in which convention (`--convention`) or unit the recordings are.
     `noise_floor` (J,) N·m is what no model can get below: noise of the torque, of the angles, and `filter_error` (J,),
-    what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations.
+    what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations. Torques of
+    the joints (indices) `zeroed` are without the zeros that each recording has of its own.
     """
 
     train: tuple[PreparedRecording, ...]
@@ -77,6 +78,7 @@ class Prepared:
     derivative: str = BUTTERWORTH
     misread: tuple[Finding, ...] = ()
     joints: tuple[Joint, ...] = LEG
+    zeroed: tuple[int, ...] = ()
 
     @property
     def all(self) -> tuple[PreparedRecording, ...]:
