@@ -11,7 +11,8 @@ import numpy as np
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_on
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.machine_answer import Asking, answer_of_machine
-from exoid.diagnosis.own_numbers.compared import explained_by, least_left, predicts_better
+from exoid.diagnosis.own_numbers.bound import least_left
+from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.own_numbers.state import UNCUT, Cuts
@@ -163,8 +164,8 @@ def _names(answer: Diagnosis) -> frozenset[str]:
 
 
 def _leaves_more(answer: Diagnosis) -> bool:
-    """True if a machine's answer leaves more than noise, or what follows a variable, or names nothing."""
-    return not answer.outside and (answer.verdict in ("unexplained", "check_channels") or bool(answer.more_missing))
+    """True if a machine's answer leaves more than noise, or what follows a variable."""
+    return not answer.outside and (answer.verdict == "unexplained" or bool(answer.more_missing))
 
 
 def _with_own(

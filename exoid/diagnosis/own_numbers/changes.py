@@ -4,17 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.evidence.gram import numbers_of
+from exoid.diagnosis.own_numbers.bound import LEAST, best_split
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State
-from exoid.ground.ties import index_of_least
 from exoid.optimisation.linear.loss import huber_terms
-from exoid.symbolic.motion import Float
-
-PACE = 0.5
-"""Seconds between moments at which a change is looked for first."""
-LEAST = 2.0
-"""Seconds before and after a change that are needed to see it."""
 
 
 def changes_of(fits: Fits, state: State) -> Cuts:
@@ -29,28 +22,13 @@ def changes_of(fits: Fits, state: State) -> Cuts:
     own = np.concatenate([np.r_[fits.place[claim]] for claim in fits.claims if not claim.common])
     found: dict[int, int] = {}
     for k, (rows, left) in enumerate(zip(fits.rows, fits.left_by(state, [step, step]), strict=True)):
-        rate = fits.now.prepared.all[k].kept_rate
-        least, many = int(LEAST * rate), rows.shape[1]
-        places = np.arange(least, many - least, max(1, int(PACE * rate)))
-        if not len(places):
-            continue
         columns = np.concatenate([rows[:, :, own], left[:, :, None]], axis=2) / fits.sigma[:, None, None]
         size = np.maximum(np.abs(columns[:, :, -1]), 1e-300)
         weighted = columns * np.minimum(1.0, fits.rules.robust / size)[:, :, None]
-        ends = zip([0, *places], [*places, many], strict=True)
-        grams = np.array([np.tensordot(columns[:, a:b], weighted[:, a:b], ((0, 1), (0, 1))) for a, b in ends])
-        before = np.cumsum(grams, axis=0)
-        split = _left(before[:-1]) + _left(before[-1] - before[:-1])
-        best = index_of_least(split)
-        if split[best] <= (1.0 - fits.rules.little) * _left(before[-1]):
-            found[k] = int(places[best])
+        whole, place, parts = best_split(columns, weighted, fits.now.prepared.all[k].kept_rate)
+        if parts <= (1.0 - fits.rules.little) * whole:
+            found[k] = place
     return found
-
-
-def _left(grams: Float) -> Float:
-    """Squared errors (...) that the columns of Gram matrices (..., D, D) leave of the last one."""
-    product = grams[..., :-1, -1]
-    return np.maximum(grams[..., -1, -1] - np.sum(product * numbers_of(grams[..., :-1, :-1], product), axis=-1), 0.0)
 
 
 def sharpened(fits: Fits, state: State) -> Cuts:

@@ -8,7 +8,6 @@ from types import MappingProxyType
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.model_error import sensor_noise
 from exoid.diagnosis.rules import Rules
 from exoid.symbolic.motion import Float
 
@@ -29,23 +28,6 @@ def explained_by(last: FittedModel, rival: FittedModel) -> float:
     """Share of itself by which the loss of all recordings falls from the `last` model to a rival."""
     once, then = (total(item.recording_losses(last.scale)) for item in (last, rival))
     return 1.0 - then / once
-
-
-def least_left(last: FittedModel) -> Float:
-    """Error (J,) of a model as a multiple of the noise where each joint of every recording has all numbers of its own,
-    a zero and a clock among them: what belongs to recordings leaves hardly less.
-    """
-    square, count = np.zeros((2, len(last.model.joints)))
-    for k, block in enumerate(last.evidence(seed=0, draws=0).blocks):
-        rising = np.gradient(last.torque(k), axis=1)
-        for j, (columns, slope, left, used) in enumerate(
-            zip(block.columns, rising, block.residual, block.use > 0.0, strict=True)
-        ):
-            own = np.column_stack([columns, np.ones(len(slope)), slope])[used]
-            rest = left[used] - own @ np.linalg.lstsq(own, left[used])[0]
-            square[j] += rest @ rest
-            count[j] += len(rest)
-    return np.asarray(np.sqrt(square / np.maximum(count, 1)) / np.maximum(sensor_noise(last.prepared), 1e-6))
 
 
 def clearer(once: Sequence[Float], then: Sequence[Float]) -> float:
