@@ -142,6 +142,48 @@ def test_zeros_are_told_beside_an_effect_that_has_a_constant_of_its_own():
     assert [one.effect for one in found.accepted] == ["joint_spring"]
     own = told(found)["sensor_zero"]
     assert [own[f"run_{k}"] - own["run_0"] for k in (1, 2, 3)] == pytest.approx([-1.5, -0.7, -2.0], abs=0.05)
+    # Of the spring's constant and the zeros only the sum is known.
+    (spring,), (zero,) = found.accepted, found.of_recordings
+    assert spring.parameters["c"].is_unknown and all(value.is_unknown for value in zero.values.values())
+    assert "torque at angle zero not known by itself" in spring.sentence and "only how they differ" in zero.sentence
+    assert "torque at angle zero" not in spring.stability
+    assert found.to_json()["of_recordings"][0]["values"]["run_0"]["low"] is None
+
+
+def stopped(one, stiffness, at):
+    """Return a recording of a joint that meets a stop."""
+    return replace(one, tau=one.tau + stiffness * np.maximum(0.0, one.q - at))
+
+
+def test_zeros_that_hide_a_stop_are_found_with_it_at_one_place():
+    """Places that differ would stand in for the zeros, and these for the stop."""
+    zeros = (0.9, -0.6, 0.2, -1.1)
+    runs = [stopped(drive(k, zero=zero), 8.0, 0.3) for k, zero in enumerate(zeros)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert [effect.name for effect in found.accepted] == ["end_stop:axis"] and not found.more_missing
+    assert found.accepted[0].parameters["theta_s"].value == pytest.approx(0.3, abs=0.002)
+    assert told(found)["sensor_zero"] == pytest.approx({f"run_{k}": z for k, z in enumerate(zeros)}, abs=0.01)
+
+
+@pytest.mark.parametrize("effect", ["torque_offset", "joint_spring"])
+def test_a_zero_that_jumps_is_told_beside_an_effect_with_a_constant(effect):
+    """Blocks of a part are as long as each other: short ones made any loss look as if it scattered."""
+    numbers = {"torque_offset": [0.8], "joint_spring": [3.0, -0.5]}[effect]
+    model = AXIS.with_effect(f"{effect}:axis")
+    runs = [drive(k, [*NUMBERS, *numbers], model=model) for k in range(4)]
+    runs[1] = replace(runs[1], tau=runs[1].tau + 0.8 * (runs[1].t >= 8.3)[:, None])
+    found = discover(AXIS, runs[:3], runs[3])
+    assert [one.effect for one in found.accepted] == [effect]
+    (zero,) = found.of_recordings
+    assert zero.values["run_1"].value == pytest.approx(0.8, abs=0.01)
+    assert zero.spans["run_1"] == (pytest.approx(8.3, abs=0.05), None)
+
+
+def test_blocks_of_a_part_are_as_long_as_each_other():
+    (one,) = prepare(AXIS, [drive(0)]).train
+    starts = one.starts_within(2.0, 100, 770)
+    assert starts[0] == 0 and np.ptp(np.diff([*starts, 670])) <= 1
+    assert np.array_equal(one.starts(2.0), one.starts_within(2.0, 0, len(one.kept)))
 
 
 def test_a_late_torque_is_told_beside_an_effect_and_not_as_another_friction():

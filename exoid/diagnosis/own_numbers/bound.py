@@ -1,4 +1,4 @@
-"""How little numbers of their own could leave of recordings, by least squares, before any is looked for."""
+"""Bound on what is left of recordings that have numbers of their own, by least squares, before any is looked for."""
 
 from __future__ import annotations
 
