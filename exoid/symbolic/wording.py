@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable, Sequence
 
@@ -58,12 +59,16 @@ def number_of(name: str) -> str:
 
 
 def number_said(effect: Effect, key: str, value: float, unit: str, half: float | None = None) -> str:
-    """Return "stiffness of the stop 35 ± 2 N·m/rad" or, of a choice, what it stands for: "at large angles"."""
+    """Return "stiffness of the stop 35 ± 2 N·m/rad" or, of a choice, what it stands for: "at large angles"; of a number
+    that may be any, that it is not known by itself.
+    """
     entry = _entry(effect, key)
     if isinstance(entry, Shape) and entry.choices:
         for number, words in CHOICE.findall(entry.explains):
             if float(number) == round(value, 6):
                 return str(words).strip()
+    if half == math.inf:
+        return f"{number_called(effect, key)} not known by itself"
     spread = f" ± {half:.2g}" if half else ""
     return f"{number_called(effect, key)} {digits(value)}{spread}{'' if unit in ('1', '') else f' {unit}'}"
 

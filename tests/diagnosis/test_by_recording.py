@@ -14,6 +14,7 @@ from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import with_numbers
 from exoid.diagnosis.own_numbers.state import Claimed
+from exoid.diagnosis.report.sections.verdict import numbers
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.simulation import simulate_runs
@@ -21,6 +22,7 @@ from exoid.measurement.logged import Logged
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
@@ -147,6 +149,9 @@ def test_zeros_are_told_beside_an_effect_that_has_a_constant_of_its_own():
     assert spring.parameters["c"].is_unknown and all(value.is_unknown for value in zero.values.values())
     assert "torque at angle zero not known by itself" in spring.sentence and "only how they differ" in zero.sentence
     assert "torque at angle zero" not in spring.stability
+    (shown,) = [entry for entry in numbers(found.to_json()["accepted"][0]["parameters"], find_effect("joint_spring"))
+                if entry["name"] == "c"]  # fmt: skip
+    assert shown["words"] == "torque at angle zero not known by itself"
     assert found.to_json()["of_recordings"][0]["values"]["run_0"]["low"] is None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -93,7 +94,8 @@ def numbers(parameters: Mapping[str, Mapping[str, Any]], effect: Any) -> list[Ma
     out: list[Mapping[str, Any]] = []
     for full, p in parameters.items():
         name = full.rsplit(".", 1)[-1]
-        words = name if effect is None else number_said(effect, name, p["value"], p["unit"])
+        half = math.inf if p["low"] is None and p["high"] is None else None
+        words = name if effect is None else number_said(effect, name, p["value"], p["unit"], half)
         out.append({**p, "name": name, "words": words, "unit": "" if p["unit"] == "1" else p["unit"]})
     return out
 
