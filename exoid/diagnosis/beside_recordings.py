@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.machine_answer import Asking, answer_of_machine
 from exoid.diagnosis.own_numbers.bound import least_left
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
-from exoid.diagnosis.own_numbers.found import belonging_to
+from exoid.diagnosis.own_numbers.found import WAYS, belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.own_numbers.state import UNCUT, Cuts
 from exoid.diagnosis.question import Question
@@ -43,8 +43,8 @@ def answer_beside_recordings(
     whole = fitted_on(answer.fit, base.prepared)
     against = _Against(asking, base, answer, _common(whole, _names(answer)), whole)
     rivals = []
-    for own in against.promising():
-        rival = against.answer_beside(own, recordings, verify)
+    for own, ways in against.promising():
+        rival = against.answer_beside(own, ways, recordings, verify)
         if rival is not None and not _leaves_more(rival):
             return rival
         rivals.append(rival)
@@ -81,24 +81,42 @@ class _Against:
         models = _plain_models(self.asking.question, self.answer, self.last)
         return [(explained_by(self.last, machine), machine) for machine in models]
 
-    def promising(self) -> Iterator[OwnNumbers]:
+    @property
+    def near(self) -> bool:
+        """True if numbers of recordings may be hidden by one of the nearest entries, and that by them."""
+        return len(self.given.all) > 1 and _leaves_more(self.answer)
+
+    @cached_property
+    def least(self) -> list[float]:
+        """Error that numbers of recordings could leave at least beside each machine, as a multiple of the noise."""
+        return [float(np.max(least_left(machine))) for _, machine in self.machines]
+
+    @property
+    def ways(self) -> int:
+        """Ways in which recordings may differ beside zeros: one where they leave more than noise anyhow."""
+        return WAYS if not self.near or min(self.least) <= self.rules.near_noise else 1
+
+    def promising(self) -> Iterator[tuple[OwnNumbers, int]]:
         """Yield what may belong to recordings: beside the model as given, since an effect may be its trace, and beside
         the answer; where that leaves more than noise, beside one of the nearest entries of the catalogue with which it
-        does not: each hides the other as long as it is missing.
+        does not: each hides the other as long as it is missing. With each, in how many ways they may differ; where
+        several leave more than noise, zeros stay.
         """
-        found = _belonging_beside(self.last, self.rules)
-        near = len(self.given.all) > 1 and _leaves_more(self.answer)
-        if found is None and not near:
+        found = _belonging_beside(self.last, self.rules, ways=self.ways)
+        if found is None and not self.near:
             return
-        alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules)
+        alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules, ways=self.ways)
         for own in dict.fromkeys((alone, found)):
             if own is not None and self.is_worth(own, own.beside(self.last.model, self.given)):
-                yield own
-        least = [(float(np.max(least_left(machine))), machine) for _, machine in self.machines[1:]] if near else []
-        for left, machine in ascending(least, lambda pair: pair[0], 1.0):
+                yield own, self.ways
+        models = zip(self.least[1:], [machine for _, machine in self.machines[1:]], strict=True) if self.near else ()
+        for left, machine in ascending(models, lambda pair: pair[0], 1.0):
             own = _belonging_beside(machine, self.rules) if left <= self.rules.near_noise else None
             if own is not None and is_near_noise(own.beside(machine.model, self.given), self.rules):
-                yield own
+                yield own, self.ways
+        zeros = _belonging_beside(self.last, self.rules, ways=0) if self.near and self.ways > 1 else None
+        if zeros is not None and self.is_worth(zeros, zeros.beside(self.last.model, self.given)):
+            yield zeros, 0
 
     def is_worth(self, own: OwnNumbers, beside: FittedModel) -> bool:
         """True if a model `beside` numbers of recordings predicts clearly better, and better than one with an effect
@@ -114,10 +132,10 @@ class _Against:
         )
 
     def answer_beside(
-        self, own: OwnNumbers, recordings: Sequence[Recording], verify: Sequence[Recording]
+        self, own: OwnNumbers, ways: int, recordings: Sequence[Recording], verify: Sequence[Recording]
     ) -> Diagnosis | None:
         """Return the answer beside numbers of recordings; None where it may not stand in place of the other."""
-        rival, explained, own = _with_own(self.asking, self.given, own, recordings, verify)
+        rival, explained, own = _with_own(self.asking, self.given, own, ways, recordings, verify)
         told = own.without([entry.recording for entry in rival.left_out])
         main = explained_by(self.last, explained) >= self.rules.half
         if not told or not _may_replace(self.answer, rival, own, main=main) or not self.is_worth(own, explained):
@@ -145,15 +163,14 @@ def _refitted(model: Model, whole: FittedModel) -> FittedModel:
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
     """True if a `rival` beside numbers of recordings may stand in place of an answer without; where more than noise is
-    left beside these, only of one that leaves more, too, and where they are the `main` explanation, or zeros, which are
-    usual, beside the same effects.
+    left beside these, only of one that leaves more, too, and where they are the `main` explanation in a single way, or
+    zeros, which are usual, beside the same effects.
     """
     if rival.verdict == "check_channels" or rival.outside:
         return False
     if _leaves_more(rival):
         kept = _names(answer) <= _names(rival)
-        zeros = all(held.claim.everyone for held in own.held)
-        return _leaves_more(answer) and (main or (kept and zeros))
+        return _leaves_more(answer) and ((main and len(own.ways) == 1) or (kept and not own.ways))
     # What is another machine's is explained by as many numbers as a machine has.
     return answer.error is not None or not own.of_a_machine(answer.left_out)
 
@@ -169,9 +186,12 @@ def _leaves_more(answer: Diagnosis) -> bool:
 
 
 def _with_own(
-    asking: Asking, given: Prepared, own: OwnNumbers, recordings: Sequence[Recording], verify: Sequence[Recording]
-) -> tuple[Diagnosis, FittedModel, OwnNumbers]:
-    """Return the answer beside numbers that belong to recordings, its model there, and these as they are beside it."""
+    asking: Asking, given: Prepared, own: OwnNumbers, ways: int, recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+) -> tuple[Diagnosis, FittedModel, OwnNumbers]:  # fmt: skip
+    """Return the answer beside numbers that belong to recordings, its model there, and these as they are beside it, in
+    so many `ways`.
+    """
     kept = None
     for _ in range(ROUNDS):
         again, without = replace(asking.question, own=own), own.applied(given)
@@ -181,21 +201,23 @@ def _with_own(
             break
         kept = rival, fitted_on(rival.fit, without), own
         last = _common(fitted_on(rival.fit, own.carried(given)), _names(rival))
-        own = _belonging_beside(last, again.rules, own.cuts) or own
+        own = _belonging_beside(last, again.rules, own.cuts, ways) or own
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own
     assert kept is not None
     return kept
 
 
-def _belonging_beside(last: FittedModel, rules: Rules, changed: Cuts = UNCUT) -> OwnNumbers | None:
+def _belonging_beside(
+    last: FittedModel, rules: Rules, changed: Cuts = UNCUT, ways: int = WAYS
+) -> OwnNumbers | None:
     """Numbers that belong to recordings, some of which `changed`, beside a model that was found, without its effects
     that do no more than these, which stay `needless`.
     """
-    own = belonging_to(last, rules, changed)
+    own = belonging_to(last, rules, changed, ways)
     if own is None or not own.needless:
         return own
-    without = belonging_to(_refitted(last.model.without(*own.needless), last), rules, changed)
+    without = belonging_to(_refitted(last.model.without(*own.needless), last), rules, changed, ways)
     return without and replace(without, needless=own.needless)
 
 

@@ -26,12 +26,17 @@ TRIED = 4
 """Claims that are looked at more closely in a round, those that promise most."""
 WITHIN = 1e-3
 """Part of the distance between nodes to which the best place is found."""
+WAYS = 2
+"""Ways in which recordings are taken to differ at most: beyond, a machine's error has as many faces as motions."""
 MOVES, HALVINGS = 30, 6
 """Steps to it at most, and how often one that does not help is halved."""
 
 
-def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT) -> OwnNumbers | None:
-    """Numbers that belong to recordings, or to a part of them, beside a model; None where none do.
+def belonging_to(
+    now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, ways: int = WAYS
+) -> OwnNumbers | None:
+    """Numbers that belong to recordings, or to a part of them, beside a model, in so many `ways` beside zeros; None
+    where none do.
 
     Recordings that `changed` are cut there first: what drives bear from then on bends other columns, too.
     """
@@ -39,11 +44,11 @@ def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT) 
     if len(set(names)) < len(names) or len(names) > rules.own_recordings:
         return None
     fits = Fits(now, rules, {})
-    held = _Search(fits).found(())
+    held = _Search(fits, ways).found(())
     cuts: Cuts = {**changes_of(fits, held), **changed}
     if cuts:
         in_parts = Fits(now, rules, cuts)
-        search = _Search(in_parts)
+        search = _Search(in_parts, ways)
         then = search.found(search.regrouped(in_parts.moved(fits, held)))
         if cuts := sharpened(in_parts, then):
             fits = Fits(now, rules, cuts)
@@ -89,8 +94,8 @@ def at_best_node(fits: Fits, rest: State, held: Claimed) -> Claimed:
 class _Search:
     """The search among the claims of some fits."""
 
-    def __init__(self, fits: Fits) -> None:
-        self.fits, self.rules, self.many = fits, fits.rules, len(fits.parts)
+    def __init__(self, fits: Fits, ways: int = WAYS) -> None:
+        self.fits, self.rules, self.many, self.ways = fits, fits.rules, len(fits.parts), ways
         # On little motion what single recordings have looks as real as any effect that is not there.
         little, cut = bool(little_motion(fits.now.prepared, self.rules)), bool(fits.cuts)
         self.claims = [
@@ -114,6 +119,8 @@ class _Search:
             if self.many > 1 and (more := self._of_everyone(state)) != state:
                 state = more
                 self.fits.weigh(state)
+            if sum(not held.claim.everyone for held in state) >= self.ways:
+                break
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
             alike = [(*state, held) for held in self._common(state)]
             best = least_of([*alike, *longer], self.fits.weighed_loss, 1.0) if alike or longer else state

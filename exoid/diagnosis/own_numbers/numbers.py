@@ -123,10 +123,14 @@ class OwnNumbers:
                 many[name] += held.count
         return any(many[item.recording] >= model.friction.stop for item in recordings)
 
+    @property
+    def ways(self) -> State:
+        """The claims in which recordings differ, zeros not among them."""
+        return tuple(held for held in self.held if not held.claim.everyone)
+
     def as_many_as(self, part: float) -> bool:
-        """True if recordings differ in several ways, as many as `part` of a machine's numbers, zeros not counted."""
-        ways = [held.count for held in self.held if not held.claim.everyone]
-        return len(ways) > 1 and sum(ways) >= part * self.now.model.friction.stop
+        """True if recordings differ in several ways, as many as `part` of a machine's numbers."""
+        return len(self.ways) > 1 and sum(held.count for held in self.ways) >= part * self.now.model.friction.stop
 
     def beside(self, model: Model, prepared: Prepared) -> FittedModel:
         """A model on the recordings without the torque that belongs to them alone, fitted to these."""
