@@ -1,12 +1,13 @@
 """Recordings that differ: are the differences told, with intervals that hold the truth, and nothing else?
 
-    python benchmarks/differences.py [--sets 50] [--first 0] [--same] [--effects]
+    python benchmarks/differences.py [--sets 50] [--first 0] [--same] [--effects] [--mujoco]
 
 Chains of one to three joints by Newton and Euler (the arena's plant of equations), four runs of 20 s, of which one is
 held out at random. Each set has one difference by turns: torque zeros, a load, a gain, a level of friction, friction
 that goes with a logged temperature, a late or fast clock, a load or a zero from a moment on. With `--effects` an effect
 of the catalogue is hidden beside it; with `--same` only torque zeros, or nothing, differ. Right is an answer that tells
-this difference, the hidden effect and nothing more.
+this difference, the hidden effect and nothing more. With `--mujoco` the runs are of MuJoCo's leg (`mujoco_leg.py`),
+in which a rotor or a tendon is hidden and nothing has a temperature.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from benchmarks import mujoco_leg
 from benchmarks.arena.plants.equations import EFFECTS, NAMES, At, Links, rigid
 from exoid.diagnosis import discover
 from exoid.diagnosis.own_numbers.numbers import Belonging
@@ -229,9 +231,37 @@ def drawn(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording]
     return model, recordings, truth, f"{hidden.effect}:{NAMES[hidden.joint]}" if hidden else ""
 
 
-def judged(seed: int, kind: str, *, effect: bool) -> tuple[str, int, int]:
+def drawn_in_mujoco(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording], list[Difference], str]:
+    """The same of MuJoCo's leg."""
+    rng, two, none = np.random.default_rng(seed), np.array([0.4, 0.44]), np.zeros(2)
+    leg = mujoco_leg.Leg(dry=tuple((np.array([4.0, 3.0]) * rng.uniform(0.6, 1.6, 2)).tolist()))
+    links = Links(np.array([9.5, 6.0]), 0.5 * two, two, none, none, none)
+    runs, truth = differing(kind, Machine(links, 0.0, mujoco_leg.TORQUE_NOISE, mujoco_leg.FOOT), rng)
+    truth = [replace(item, joint="shank") if item.what == "carried_load" else item for item in truth]
+    hidden = ""
+    if effect:
+        rotor = bool(rng.random() < 0.5)
+        hidden = "rotor_inertia:knee" if rotor else "biarticular_spring"
+        more = {"armature": float(rng.uniform(0.08, 0.2))} if rotor else {"tendon": float(rng.uniform(3.0, 8.0))}
+        leg = replace(leg, **more)
+    recordings = []
+    for k, run in enumerate(runs):
+        dry, viscous = (tuple((np.array(x) * run.friction).tolist()) for x in (leg.dry, leg.viscous))
+        legs = (leg, replace(leg, dry=dry, viscous=viscous, load=run.load))
+        usual, own = (mujoco_leg.simulate(each, seed, k, SECONDS + 1.0, noise=False)[0] for each in legs)
+        there, at = (run.since <= T)[:, None], (T - run.late) * (1.0 + run.fast)
+        q = np.where(there, own.q[: len(T)], usual.q[: len(T)])
+        before, after = (np.column_stack([np.interp(at, each.t, x) for x in each.tau.T]) for each in (usual, own))
+        tau = np.where(there, after * run.gain + run.zero, before)
+        q = q + mujoco_leg.ENCODER_NOISE * rng.standard_normal(q.shape)
+        tau = tau + mujoco_leg.TORQUE_NOISE * rng.standard_normal(q.shape)
+        recordings.append(Recording(f"run_{k}", T, q, tau))
+    return Model.standard(), recordings, truth, hidden
+
+
+def judged(seed: int, kind: str, *, effect: bool, mujoco: bool = False) -> tuple[str, int, int]:
     """Faults of the answer to a set, "" without any; how many numbers are told, and how many of them hold the truth."""
-    model, recordings, truth, hidden = drawn(seed, kind, effect=effect)
+    model, recordings, truth, hidden = (drawn_in_mujoco if mujoco else drawn)(seed, kind, effect=effect)
     held = int(np.random.default_rng(seed).integers(RUNS))
     answer = discover(model, [r for k, r in enumerate(recordings) if k != held], [recordings[held]])
     pairs = [(said, item) for said in answer.of_recordings for item in truth if item.is_told(said)]
@@ -253,12 +283,13 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--same", action="store_true", help="nothing differs, or torque zeros alone")
     parser.add_argument("--effects", action="store_true", help="an effect is hidden, too")
+    parser.add_argument("--mujoco", action="store_true", help="MuJoCo's leg; needs the extra peers")
     asked = parser.parse_args()
-    kinds = ("nothing", "zeros") if asked.same else KINDS
+    kinds = ("nothing", "zeros") if asked.same else tuple(k for k in KINDS if not (asked.mujoco and k == "temperature"))
     right, of, numbers, inside = Counter[str](), Counter[str](), 0, 0
     for seed in range(asked.first, asked.first + asked.sets):
         kind = kinds[seed % len(kinds)]
-        wrong, told, held = judged(seed, kind, effect=asked.effects)
+        wrong, told, held = judged(seed, kind, effect=asked.effects, mujoco=asked.mujoco)
         of[kind] += 1
         right[kind] += not wrong
         numbers, inside = numbers + told, inside + held

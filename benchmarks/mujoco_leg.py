@@ -42,6 +42,8 @@ KP, KD = np.array([900.0, 320.0]), np.array([70.0, 18.0])
 ROTOR = 0.012
 """kg·m², of the drive behind a spring or a gap: with a third of it KD · STEP / ROTOR is above 2, the sampled controller
 makes the rotor chatter, and 3 N·m of Coulomb friction come out as 0.2."""
+FOOT = 0.45
+"""m below the knee."""
 ENCODER_NOISE, TORQUE_NOISE = 6e-5, 0.4
 """rad and N·m, standard deviations."""
 
@@ -53,7 +55,7 @@ class Leg:
     `soft` is the stiffness of the knee drive, `gap` half the width of the gap in it; the encoder then sits at the
     motor. `floor` is how far below the hip the ground lies, `ground` how it gives way (MuJoCo's solref, s and damping),
     `grip` its friction. `sway` is the amplitude in m/s² of the acceleration of the base, with a phase of its own in
-    every run, `tendon` the stiffness in N·m/rad of one across both joints.
+    every run, `tendon` the stiffness in N·m/rad of one across both joints; `load` is a small body at the foot, kg.
     """
 
     dry: tuple[float, float] = (4.0, 3.0)
@@ -67,6 +69,7 @@ class Leg:
     ground: str = "0.05 1"
     grip: float = 1.0
     sway: float = 0.0
+    load: float = 0.0
 
     def xml(self) -> str:
         """Return the model in MuJoCo's language; θ1 from the downward vertical, θ2 relative, positive to the front."""
@@ -83,9 +86,13 @@ class Leg:
             f'<joint name="{knee}" axis="0 -1 0" frictionloss="{loss}" damping="{self.viscous[1]}" '
             f'armature="{self.armature}" {limit}/>'
         )
+        mass = 6.0 + self.load
+        middle = (6.0 * 0.22 + self.load * FOOT) / mass
+        inertia = 0.11 + 6.0 * (middle - 0.22) ** 2 + self.load * (FOOT - middle) ** 2
         shank = (
-            '<inertial pos="0 0 -0.22" mass="6.0" diaginertia="0.11 0.11 0.02"/>'
-            f'<geom name="foot" type="sphere" size="0.04" pos="0 0 -0.45" mass="0" friction="{self.grip} 0.005 1e-4"/>'
+            f'<inertial pos="0 0 {-middle}" mass="{mass}" diaginertia="{inertia} {inertia} 0.02"/>'
+            f'<geom name="foot" type="sphere" size="0.04" pos="0 0 {-FOOT}" mass="0" '
+            f'friction="{self.grip} 0.005 1e-4"/>'
         )
         if twist:
             rotor = f'<inertial pos="0 0 0" mass="0.001" diaginertia="{ROTOR} {ROTOR} {ROTOR}"/>'

@@ -137,11 +137,13 @@ class _Against:
         """Return the answer beside numbers of recordings; None where it may not stand in place of the other."""
         rival, explained, own = _with_own(self.asking, self.given, own, ways, recordings, verify)
         told = own.without([entry.recording for entry in rival.left_out])
-        main = explained_by(self.last, explained) >= self.rules.half
+        least = self.rules.half if len(own.ways) == 1 else self.rules.most
+        main = bool(own.ways) and explained_by(self.last, explained) >= least
         if not told or not _may_replace(self.answer, rival, own, main=main) or not self.is_worth(own, explained):
             return None
-        caution = OTHERS_TOO if own.as_many_as(self.rules.half) else ""
-        caution += MORE_TOO if rival.error is not None else ""
+        more = rival.error is not None
+        caution = OTHERS_TOO if own.as_many_as(self.rules.half) or (more and len(own.ways) >= WAYS) else ""
+        caution += MORE_TOO if more else ""
         return with_own(rival, told, self.base, caution)
 
 
@@ -163,14 +165,14 @@ def _refitted(model: Model, whole: FittedModel) -> FittedModel:
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
     """True if a `rival` beside numbers of recordings may stand in place of an answer without; where more than noise is
-    left beside these, only of one that leaves more, too, and where they are the `main` explanation in a single way, or
-    zeros, which are usual, beside the same effects.
+    left beside these, only of one that leaves more, too, and where they are the `main` explanation, or zeros, which are
+    usual, beside the same effects.
     """
     if rival.verdict == "check_channels" or rival.outside:
         return False
     if _leaves_more(rival):
         kept = _names(answer) <= _names(rival)
-        return _leaves_more(answer) and ((main and len(own.ways) == 1) or (kept and not own.ways))
+        return _leaves_more(answer) and (main or (kept and not own.ways))
     # What is another machine's is explained by as many numbers as a machine has.
     return answer.error is not None or not own.of_a_machine(answer.left_out)
 

@@ -26,7 +26,7 @@ def changes_of(fits: Fits, state: State) -> Cuts:
         size = np.maximum(np.abs(columns[:, :, -1]), 1e-300)
         weighted = columns * np.minimum(1.0, fits.rules.robust / size)[:, :, None]
         whole, place, parts = best_split(columns, weighted, fits.now.prepared.all[k].kept_rate)
-        if parts <= (1.0 - fits.rules.little) * whole:
+        if place and parts <= (1.0 - fits.rules.little) * whole:
             found[k] = place
     return found
 

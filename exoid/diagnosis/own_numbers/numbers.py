@@ -20,7 +20,7 @@ from exoid.ground.plain import AsJson
 from exoid.ground.ties import least_of
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.linear.loss import Bool, huber_terms
-from exoid.optimisation.linear.uncertainty import covariance
+from exoid.optimisation.linear.uncertainty import covariance, critical_value
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
@@ -345,7 +345,11 @@ def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     first = fits.count + len(groups)
     ends = first + np.cumsum([turn.shape[1] for _, _, turn in slopes], dtype=int)
     places = {claim: slice(end - turn.shape[1], end) for (claim, _, turn), end in zip(slopes, ends, strict=True)}
-    return Spread(found.matrix, found.critical, found.half_widths(), fits.count, places)
+    widths = found.half_widths()
+    for c, (_, group) in enumerate(groups, fits.count):  # only some of the samples tell of it
+        samples = sum(fits.rows[j].shape[1] for j in group)
+        widths[c] *= critical_value(found.lag, samples) / found.critical
+    return Spread(found.matrix, found.critical, widths, fits.count, places)
 
 
 def _told(

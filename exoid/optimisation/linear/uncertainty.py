@@ -68,11 +68,16 @@ def covariance(
     meat = block_outer(score, groups, lag) * samples / max(samples - width / joints, 1.0)
     inverse = np.linalg.pinv(bread, rcond=1e-12)
     whitened = inverse @ meat @ inverse.T
-    share = min(lag / max(samples, 1), 1.0)
-    critical = float(np.polynomial.polynomial.polyval(share, FIXED_B))
+    critical = critical_value(lag, samples)
     with np.errstate(over="ignore"):  # of a column that is next to nothing the number may be anything
         matrix = factor.backward @ whitened @ factor.backward.T
     return Covariance(matrix, lag, critical, factor.undetermined)
+
+
+def critical_value(lag: int, samples: int) -> float:
+    """Return the critical value of 95 % where blocks of so many samples are cut out of so many."""
+    share = min(lag / max(samples, 1), 1.0)
+    return float(np.polynomial.polynomial.polyval(share, FIXED_B))
 
 
 def block_length(score: Float, groups: NDArray[np.int64]) -> int:
