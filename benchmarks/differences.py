@@ -85,7 +85,7 @@ class Hidden:
 
 @dataclass(frozen=True)
 class Difference:
-    """What differs at a joint, None for all: `values` {run: its number}, empty where each moment has its own, from
+    """Difference at a joint, None for all: `values` {run: its number}, empty where each moment has its own, from
     `since` s on, from the beginning where that is 0.
     """
 

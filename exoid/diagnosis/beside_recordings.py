@@ -87,14 +87,14 @@ class _Against:
         return len(self.given.all) > 1 and _leaves_more(self.answer)
 
     @cached_property
-    def least(self) -> list[float]:
-        """Error that numbers of recordings could leave at least beside each machine, as a multiple of the noise."""
-        return [float(np.max(least_left(machine))) for _, machine in self.machines]
+    def bounds(self) -> list[tuple[float, FittedModel]]:
+        """Machines with the error that numbers of recordings could leave at least, as a multiple of the noise."""
+        return [(float(np.max(least_left(machine))), machine) for _, machine in self.machines]
 
     @property
     def ways(self) -> int:
         """Ways in which recordings may differ beside zeros: one where they leave more than noise anyhow."""
-        return WAYS if not self.near or min(self.least) <= self.rules.near_noise else 1
+        return WAYS if not self.near or min(left for left, _ in self.bounds) <= self.rules.near_noise else 1
 
     def promising(self) -> Iterator[tuple[OwnNumbers, int]]:
         """Yield what may belong to recordings: beside the model as given, since an effect may be its trace, and beside
@@ -109,8 +109,7 @@ class _Against:
         for own in dict.fromkeys((alone, found)):
             if own is not None and self.is_worth(own, own.beside(self.last.model, self.given)):
                 yield own, self.ways
-        models = zip(self.least[1:], [machine for _, machine in self.machines[1:]], strict=True) if self.near else ()
-        for left, machine in ascending(models, lambda pair: pair[0], 1.0):
+        for left, machine in ascending(self.bounds[1:] if self.near else (), lambda pair: pair[0], 1.0):
             own = _belonging_beside(machine, self.rules) if left <= self.rules.near_noise else None
             if own is not None and is_near_noise(own.beside(machine.model, self.given), self.rules):
                 yield own, self.ways

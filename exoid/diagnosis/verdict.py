@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -392,7 +393,7 @@ def sentence_of(term: Term, numbers: Mapping[str, Estimate], unknown: Collection
             parts.append(f"{what} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
             continue
         if e.name in unknown:
-            parts.append(f"{number_called(term.effect, name)} not known by itself")
+            parts.append(number_said(term.effect, name, e.value, e.unit, math.inf))
             continue
         half = 0.5 * (e.high - e.low)
         known = half if np.isfinite(half) and half > 0.0 else None
