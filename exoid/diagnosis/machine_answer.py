@@ -11,7 +11,6 @@ from exoid.diagnosis.doubts import doubts_after
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
-from exoid.diagnosis.evidence.own_sway import own_sway
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.question import Question, Searched
@@ -24,8 +23,8 @@ from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import ALL
 from exoid.diagnosis.splits import from_scratch
-from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
-from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
+from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted
+from exoid.diagnosis.write_up import accepted_of, possible_beside, write_up
 from exoid.ground.progress import Progress, part_of
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.recording import Recording
@@ -141,14 +140,9 @@ def _inside(
             replace(a, look_alikes=(*a.look_alikes, *also), outside=(*a.outside, *also)) if a.effect == DELAY else a
             for a in accepted
         )
-    sway = own_sway(state.last.fitted, done.context.noise(state.last), rules)
-    if sway is not None:
-        possible = possible_with(sway, possible, rules)
     first = () if accepted else done.found.first
     leading = leading_of(done.context, state, first, done.base.evaluation_rms)
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
-    if sway is not None and not accepted:
-        answer = swayed(sway, answer, last.model.joints)
     return done, write_up(done, extensions, accepted, left, possible, answer, asking.began, leading)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,6 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.intermittent import ADVICE, Intermittent
 from exoid.diagnosis.evidence.model_error import ModelError, beside_floor, model_error, sensor_noise
-from exoid.diagnosis.evidence.own_sway import OwnSway
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.swinging import Swing, swinging
@@ -191,8 +190,8 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     text += end.oscillation
     if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
         named = {term.name: term.effect for term in end.last.model.terms}
-        names = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
-        text += f" What a held-out recording has to itself ({names}) was found in one half and judged on the other."
+        numbers = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
+        text += f" What a held-out recording has to itself ({numbers}) was found in one half and judged on the other."
     losing = [a for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)]
     if lost := " and ".join(called(a.name, end.find) for a in losing):
         text += f" The recordings held out here lose a little by {lost}; in nearly all other splits they gain by it."
@@ -271,20 +270,6 @@ def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
         "what is accepted in place of a soft drive would only take up part of it",
         f"measure the angle of the {soft.joint} behind its drive; to make sure, clamp the link and load the drive: "
         f"{soft.name} is the angle at the encoder per torque" + ("" if soft.sure else "; then the other drives"),
-    )
-
-
-def swayed(sway: OwnSway, answer: Conclusion, joints: Sequence[Joint]) -> Conclusion:
-    """Return `answer` where what is missing is a base that oscillates, each time with another phase."""
-    falls = _told_falls(sway.before, sway.after, joints)
-    return replace(
-        answer,
-        verdict="unexplained",
-        rule=f"a sway of the base, each half of a recording by the other, explains {100 * sway.share:.0f} % of what is "
-        "left",
-        sentence=f"The base oscillates {sway.words} ({falls}). No model of the motion alone can predict "
-        "that: nothing is accepted. Nearest in the catalogue: base_motion, which has one amplitude for all recordings.",
-        next_experiment=sway.advice,
     )
 
 

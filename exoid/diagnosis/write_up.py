@@ -9,12 +9,9 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
-from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.model_error import times_noise
-from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
-from exoid.diagnosis.evidence.own_sway import OwnSway
 from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.score import Score, share_of_own_joints
@@ -53,13 +50,6 @@ def possible_beside(
     ]
     names = {item.name for item in accepted}
     return _nearest_first([*given_up, *(entry for entry in possible if entry.name not in names)], rules)
-
-
-def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
-    """Possible effects, with the sway in the place of one of the same size in all recordings."""
-    reason = f"the base oscillates {sway.words}: no model of the motion alone can predict that"
-    found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
-    return _nearest_first([found, *(item for item in possible if item.effect != SWAY)], rules)
 
 
 def _nearest_first(possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:

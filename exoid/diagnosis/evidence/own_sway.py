@@ -17,16 +17,15 @@ import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
+from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import Gram
-from exoid.diagnosis.evidence.swinging import advice_at, swinging
+from exoid.diagnosis.evidence.swinging import swinging
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.ties import index_of_greatest
 from exoid.optimisation.fitting.phases import phases_of
 from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.motion import Float
-from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.term import Term, places_of
 
 ENTRY = "base_motion"
@@ -49,52 +48,17 @@ AT_ONCE = 32
 class OwnSway:
     """A sway at `hertz` whose sine and cosine parts are `parts` (R, 4) m/s², forwards and upwards, in each recording.
 
-    `before` and `after` (J,) N·m are the errors on the motion by which a model is judged, `p_value` the share of
-    placebos that gain as much, the sway itself counted among them.
+    `p_value` is the share of placebos that gain as much, the sway itself counted among them.
     """
 
     hertz: float
     parts: Float
-    before: Float
-    after: Float
     p_value: float
 
     @property
     def nodes(self) -> Float:
         """The only node (R, 1, 2) of the catalogue's entry: this frequency, and the phases."""
         return np.column_stack([np.full(len(self.parts), self.hertz), phases_of(self.parts)])[:, None]
-
-    @property
-    def amplitudes(self) -> Float:
-        """Amplitudes (R, 2) in m/s², forwards and upwards."""
-        return np.hypot(self.parts[:, ::2], self.parts[:, 1::2])
-
-    @property
-    def parameters(self) -> dict[str, Estimate]:
-        """Frequency and amplitudes, the latter with their range over the recordings."""
-        out = {"f": Estimate("f", self.hertz, "Hz", self.hertz, self.hertz)}
-        for name, each in zip(("forward", "upward"), self.amplitudes.T, strict=True):
-            out[name] = Estimate(name, float(np.median(each)), "m/s²", float(each.min()), float(each.max()))
-        return out
-
-    @property
-    def share(self) -> float:
-        """Share of the squared error that it explains, of all joints together."""
-        return float(1.0 - np.sum(self.after**2) / max(float(np.sum(self.before**2)), 1e-300))
-
-    @property
-    def advice(self) -> str:
-        """Advice to the person who measures."""
-        return advice_at(self.hertz)
-
-    @property
-    def words(self) -> str:
-        """Say what it is."""
-        forward, upward = np.median(self.amplitudes, axis=0)
-        return (
-            f"at {self.hertz:.3g} Hz, {forward:.2g} m/s² forwards and {upward:.2g} m/s² upwards, with a phase of its "
-            "own in every recording"
-        )
 
 
 def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway | None:
@@ -128,17 +92,8 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
         grams = evidence.plain(beside)
         parts, change = evidence.fitted(grams)
         carrier = replace(last, fit=replace(last.fit, linear=last.linear + change[: len(last.linear)]))
-    left = [block.residual.copy() for block in evidence.blocks]
-    for unit, moved, those in evidence.held_out_fits(grams):
-        index, weight = evidence.unit(unit)
-        left[index] = np.where(weight > 0.0, evidence.left(index, moved, beside[index], those), left[index])
-    judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
-    before, after = last.evaluation_rms, pooled_rms(left[judged], every[judged])
-    whole, rest = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
-    if rest > (1.0 - rules.half) * whole:
-        return None
     apart = int(np.ceil(APART / (min(lasts) * step)))
-    return OwnSway(hertz, parts.reshape(len(every), -1), before, after, chance_of(gains, near, apart, rules.placebos))
+    return OwnSway(hertz, parts.reshape(len(every), -1), chance_of(gains, near, apart, rules.placebos))
 
 
 def _by_halves(last: FittedModel, rules: Rules) -> Evidence:

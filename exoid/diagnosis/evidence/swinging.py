@@ -45,15 +45,10 @@ class Swing:
     @property
     def advice(self) -> str:
         """Advice to the person who measures."""
-        return advice_at(self.hertz)
-
-
-def advice_at(hertz: float) -> str:
-    """Advice about what swings at `hertz`."""
-    return (
-        f"clamp the base, or find what moves at {hertz:.2g} Hz; if it cannot be stopped, "
-        "measure the motion of the base; base_motion describes a sway of the same size in every recording"
-    )
+        return (
+            f"clamp the base, or find what moves at {self.hertz:.2g} Hz; if it cannot be stopped, "
+            "measure the motion of the base; base_motion describes a sway of the same size in every recording"
+        )
 
 
 def swinging(last: FittedModel) -> Swing | None:
