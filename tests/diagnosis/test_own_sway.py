@@ -10,7 +10,9 @@ from synthetic import recording, search
 
 from exoid.diagnosis.evidence.own_sway import chance_of, own_sway
 from exoid.diagnosis.evidence.swinging import swinging
+from exoid.diagnosis.results import Accepted
 from exoid.diagnosis.search.engine import run_search
+from exoid.diagnosis.verdict import conclude
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.fitting.phases import phases_of
 from exoid.symbolic.model import Model
@@ -112,3 +114,11 @@ def test_what_recordings_do_not_share_gains_as_much_from_neighbouring_frequencie
     assert chance_of(apart, near, 8, 1499) > 0.01
     assert chance_of((noise + line)[:2], near, 8, 1499) > 0.01  # two recordings are too few
     assert chance_of(noise[:, :8], near[:8], 8, 1499) == 1.0
+
+
+def test_the_rule_of_an_answer_names_the_effect_and_not_the_phase_that_each_recording_has_to_itself():
+    context = asked([sway(phase) for phase in PHASES], ["base_motion"])
+    last = context.fit(Model.standard().with_effect("base_motion")).fitted
+    effect = Accepted("base_motion", None, {}, (), (), 0.001, np.ones(2), 0.5 * np.ones(2), "Swaying base")
+    found = conclude((effect,), None, last, last, True, 4)
+    assert found.rule.startswith("Swaying base") and "phase" in found.sentence
