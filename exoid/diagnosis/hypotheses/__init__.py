@@ -31,6 +31,7 @@ class Seen:
     times `t` (K,) s; filtered like the measured torque, or before the filter. `logged` are further columns, the
     recording `began` at so many s. `number` is that of a claim, where its pieces bend with it: 0 at first. `rising` is
     the slope (J, K) of the torque over time as it passes the filter; None where that of the torque itself is it.
+    `elsewhere` is the torque (J, M) at other times (M,), which a number that is known asks for.
     """
 
     model: Model
@@ -42,6 +43,7 @@ class Seen:
     began: float
     number: float = 0.0
     rising: Float | None = None
+    elsewhere: Callable[[Float], Float] | None = None
 
 
 Node = tuple[float, ...]
@@ -155,11 +157,11 @@ def _moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
     if not seen.number:
         rises = slope * (np.gradient(seen.torque, seen.t, axis=1) if seen.rising is None else seen.rising)
         return np.stack([rises, np.zeros(rises.shape)], axis=2)
-    from scipy.interpolate import CubicSpline
-
-    at, torque = np.clip(when(seen), seen.t[0], seen.t[-1]), CubicSpline(seen.t, seen.torque, axis=1)
-    rises = torque(at, 1) * slope
-    return np.stack([rises, torque(at) - seen.torque - seen.number * rises], axis=2)
+    assert seen.elsewhere is not None
+    times = when(seen)
+    then = seen.elsewhere(times)
+    rises = np.gradient(then, times, axis=1, edge_order=2) * slope
+    return np.stack([rises, then - seen.torque - seen.number * rises], axis=2)
 
 
 def each_said(values: dict[str, str]) -> str:

@@ -21,7 +21,7 @@ def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
 
 
 def _fast(seen: Seen) -> Float:
-    return seen.began + (seen.t - seen.began) / (1.0 - seen.number)
+    return seen.began + (seen.t - seen.began) * (1.0 + seen.number)
 
 
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:

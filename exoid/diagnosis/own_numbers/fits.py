@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -17,22 +18,35 @@ from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of, st
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording
-from exoid.symbolic.motion import Float
+from exoid.symbolic.motion import Float, Motion
 
 ALIKE = 1e-9
 """Part by which the cosine between two columns may be below one where they are the same but for rounding."""
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
+CLOSER, CLOSE = 12, 3e-3
+"""Times at most where a number bends its columns, as that of a clock does, and the change of it that ends them."""
 
 
 def seen_before_filter(now: FittedModel, one: PreparedRecording, linear: Float, shape: Float) -> Seen:
     """A model at `linear` numbers (P,) and a shape (S,) on a recording, at all samples of its motion; its torque with
     that of a load that is known already.
     """
-    columns = now.model.columns(one.motion, shape, now.linear if now.model.needs_reference else None)
-    torque, t = now.model.torque(one.motion, linear, shape).T, one.motion.t
-    torque = torque if one.motion.load is None else torque + one.motion.load.T
-    return Seen(now.model, linear, columns, torque, t, one.logged, float(t[0]))
+
+    def torque_on(motion: Motion) -> Float:
+        torque = now.model.torque(motion, linear, shape)
+        return (torque if motion.load is None else torque + motion.load).T
+
+    columns, t = columns_on(now, one.motion, shape), one.motion.t
+    return Seen(
+        now.model, linear, columns, torque_on(one.motion), t, one.logged, float(t[0]),
+        elsewhere=lambda times: torque_on(one.at(times)),
+    )  # fmt: skip
+
+
+def columns_on(now: FittedModel, motion: Motion, shape: Float) -> Float:
+    """Columns (J, N, P) of a model on a motion, at a shape (S,)."""
+    return now.model.columns(motion, shape, now.linear if now.model.needs_reference else None)
 
 
 class Fits:
@@ -169,11 +183,17 @@ class Fits:
         if early:
             seen = seen_before_filter(self.now, recording, self.linear, self.now.shapes[k])
         if alone is not None:
+            unit, elsewhere = np.eye(len(self.linear))[alone], seen.elsewhere and partial(self._column, k, alone)
             rising = None if early else self.rising[k][:, :, alone]
-            unit = np.eye(len(self.linear))[alone]
-            seen = replace(seen, linear=unit, torque=seen.columns[:, :, alone], rising=rising)
+            seen = replace(
+                seen, linear=unit, torque=seen.columns[:, :, alone], rising=rising, elsewhere=elsewhere
+            )
         pieces = claim.pieces(replace(seen, number=number))
         return recording.smooth_columns(pieces) if early else pieces
+
+    def _column(self, k: int, alone: int, times: Float) -> Float:
+        """Return one column (J, M) of the model on a recording at other times (M,)."""
+        return columns_on(self.now, self.now.prepared.all[k].at(times), self.now.shapes[k])[:, :, alone]
 
     def numbers_of(self, state: State, step: Float, j: int) -> dict[Claim, float]:
         """Numbers of the claims that hold of a part (index), of those (Q,) of the model and of the state."""
@@ -213,7 +233,8 @@ class Fits:
     def weigh(self, state: State) -> Float:
         """Gram matrices (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for."""
         left = [r[:, :, -1] for r in self.rows]
-        for _ in range(REWEIGHTED if state else 1):
+        most, before = (CLOSER if any(held.claim.moves for held in state) else REWEIGHTED), np.array([np.inf])
+        for k in range(most if state else 1):
             sigma = pooled_scale([(r, use) for r, use in zip(left, self.use, strict=True)])
             out = []
             for rows, r in zip(self.rows, left, strict=True):
@@ -227,6 +248,9 @@ class Fits:
                 step = self.together(state)
                 self._place_factors(state, step)
                 left = self.left_by(state, [step] * 2)
+                if k + 1 >= REWEIGHTED and np.allclose(step[self.count :], before, rtol=CLOSE):
+                    break
+                before = step[self.count :]
         return self.grams
 
     def sums(self, state: State) -> Float:

@@ -28,6 +28,8 @@ WITHIN = 1e-3
 """Part of the distance between nodes to which the best place is found."""
 WAYS = 2
 """Ways in which recordings are taken to differ at most: beyond, a machine's error has as many faces as motions."""
+TIMED = 2
+"""Times that recordings are timed anew by the clocks that were found: where friction reverses depends on these."""
 MOVES, HALVINGS = 30, 6
 """Steps to it at most, and how often one that does not help is halved."""
 
@@ -54,9 +56,12 @@ def belonging_to(
             fits = Fits(now, rules, cuts)
             held = _Search(fits).placed(fits.moved(in_parts, then))
     own = with_numbers(fits, held) if held else None
-    if own is not None and (anew := own.with_spikes()) is not None:
+    for _ in range(TIMED):
+        if own is None or (anew := own.as_timed()) is None:
+            break
         known, fits = fits, Fits(now.on(anew), rules, fits.cuts)
-        own = with_numbers(fits, placed(fits, fits.moved(known, held)))
+        held = placed(fits, fits.moved(known, own.held))
+        own = with_numbers(fits, held)
     while own is not None and (clear := own.clear) != own.held:
         own = with_numbers(fits, clear) if clear else None
     return own

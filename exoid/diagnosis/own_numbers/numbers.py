@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,10 +19,11 @@ from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import least_of
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.linear.loss import Bool, huber_terms
+from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.linear.uncertainty import covariance, critical_value
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.optimisation.preparation.sticking import around_reversals
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
@@ -137,15 +138,19 @@ class OwnNumbers:
         without = self.applied(prepared)
         return fitted_model(identify(model, without.train, optimisers=()), without)
 
-    def with_spikes(self) -> Prepared | None:
-        """The recordings, with their spikes where torques come at other times: a friction that reverses late looks like
-        one. None where there are no such.
+    def as_timed(self) -> Prepared | None:
+        """The recordings where torques come at other times: with their spikes, since a friction that reverses late
+        looks like one, and without samples at which it reverses then, of which no slope says more. None where there are
+        no such.
         """
         whole, count = self.now.prepared, len(self.now.prepared.train)
-        groups = [group for held in self.held if held.claim.moves for group in held.groups]
-        moved = {self.parts[j].recording for group in groups for j in group}
-        every = [item.with_spikes() if k in moved else item for k, item in enumerate(whole.all)]
-        return replace(whole, train=tuple(every[:count]), verify=tuple(every[count:])) if moved else None
+        if not any(held.claim.moves for held in self.held):
+            return None
+        every = []
+        for item in whole.all:
+            still, times = item.stuck | around_reversals(item.motion.dq), self._times(item, unseen=False)
+            every.append(item.with_spikes().losing(still[item.sample_at(times)] & (times != item.motion.t)[:, None]))
+        return replace(whole, train=tuple(every[:count]), verify=tuple(every[count:]))
 
     def applied(self, prepared: Prepared) -> Prepared:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the
@@ -164,51 +169,55 @@ class OwnNumbers:
         return replace(prepared, train=train, verify=verify)
 
     def _carrying(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
-        if not any(held.claim.borne for held in self.held):
-            return one
-        return one.carrying(self._own(one, unseen=unseen, borne=True)[0])
+        return one.carrying(self._own(one, unseen=unseen, borne=True))
 
     def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
-        carrying = self._carrying(one, unseen=unseen)
-        known, lost = self._own(carrying, unseen=unseen)
-        return carrying.losing(lost).beside_own(known) if known.any() else carrying
+        times = self._times(one, unseen=unseen)
+        timed = one if np.array_equal(times, one.motion.t) else one.at_times(times)
+        carrying = self._carrying(timed, unseen=unseen)
+        return carrying.beside_own(self._own(carrying, unseen=unseen))
 
-    def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> tuple[Float, Bool]:
-        """Torque (N, J) that belongs to a recording alone, only what drives bear where so asked, and samples (N, J)
-        that are lost with it.
+    def _times(self, one: PreparedRecording, *, unseen: bool) -> Float:
+        """Times (N,) in s of the motion to which the torques of a recording belong."""
+        times = one.motion.t.copy()
+        for j, half, numbers in self._halves(one, unseen=unseen):
+            for held, number in self._of_part(j, numbers):
+                if held.claim.moves:
+                    seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
+                    times += half * (held.claim.moves(replace(seen, number=number)) - one.motion.t)
+        return times
+
+    def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> Float:
+        """Torque (N, J) that belongs to a recording alone, whose motion is at the times of its torques; only what
+        drives bear where so asked.
         """
-        known, t = np.zeros(one.wide_tau.shape), one.motion.t
-        lost = np.zeros(one.hidden.shape, dtype=bool)
+        known = np.zeros(one.wide_tau.shape)
+        for j, half, numbers in self._halves(one, unseen=unseen):
+            some = [(held, number) for held, number in self._of_part(j, numbers) if not held.claim.moves]
+            some = [(held, number) for held, number in some if held.claim.borne or not borne]
+            if some:
+                seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
+                known += half[:, None] * _added(seen, some).T
+        return known
+
+    def _halves(self, one: PreparedRecording, *, unseen: bool) -> Iterator[tuple[int, Float, Float]]:
+        """Yield the parts (index) of a recording by halves, with how much (N,) of each sample lies there and the
+        numbers (C,) by which it is judged.
+        """
+        t = one.motion.t
         for j, part in enumerate(self.parts):
             whole = self.now.prepared.all[part.recording]
-            if whole.name != one.name or not any(j in group for held in self.held for group in held.groups):
-                continue
-            inside = part.share(t, self.now.prepared)
-            early = t < whole.t[(part.start + part.stop) // 2]
-            seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[part.recording])
-            both = self.judged[j] if unseen else [self.numbers, self.numbers]
-            for half, numbers in zip((inside * early, inside * ~early), both, strict=True):
-                known += half[:, None] * self._added(seen, j, numbers, borne=borne).T
-                for held, number in self._of_part(j, numbers):
-                    if held.claim.moves:  # where a drive stuck, it did so at other times
-                        when = held.claim.moves(replace(seen, number=number))
-                        lost |= one.stuck[np.searchsorted(t, when).clip(0, len(t) - 1)] & (half > 0.0)[:, None]
-        return known, lost
+            if whole.name == one.name and any(j in group for held in self.held for group in held.groups):
+                inside = part.share(t, self.now.prepared)
+                early = t < whole.t[(part.start + part.stop) // 2]
+                first, second = self.judged[j] if unseen else [self.numbers, self.numbers]
+                yield j, inside * early, first
+                yield j, inside * ~early, second
 
     def torque(self, one: PreparedRecording, j: int) -> Float:
         """Torque (J, N) that belongs to a part of a recording, before the filter."""
         shape = self.now.shapes[self.parts[j].recording]
-        return self._added(seen_before_filter(self.now, one, self.linear, shape), j, self.numbers)
-
-    def _added(self, seen: Seen, j: int, numbers: Float, *, borne: bool = False) -> Float:
-        added = np.zeros(seen.torque.shape)
-        for held, number in self._of_part(j, numbers):
-            if borne and not held.claim.borne:
-                continue
-            pieces = held.claim.pieces(replace(seen, number=number))
-            added += number * (pieces @ held.claim.mix(held.node))
-            added += pieces[:, :, -1] if held.claim.moves else 0.0
-        return added
+        return _added(seen_before_filter(self.now, one, self.linear, shape), self._of_part(j, self.numbers))
 
     def _of_part(self, j: int, numbers: Float) -> Iterator[tuple[Claimed, float]]:
         """Yield what is held of a part, with its number among `numbers` (C,)."""
@@ -218,7 +227,11 @@ class OwnNumbers:
                 yield held, number
 
     def agrees(self, other: OwnNumbers) -> bool:
-        """True if another look finds the same in the same recordings, within its intervals."""
+        """True if another look finds the same in the same recordings, within its intervals; where that multiplies or
+        moves the model's torque, beside a model of the same terms.
+        """
+        if any(held.claim.factor for held in self.held) and self.now.model.terms != other.now.model.terms:
+            return False
         first, new = ({(b.what, b.joint, n): e for b in own.told for n, e in b.values.items()} for own in (self, other))
         return first.keys() == new.keys() and all(new[k].low <= e.value <= new[k].high for k, e in first.items())
 
@@ -232,6 +245,16 @@ class OwnNumbers:
         """Statements about the recordings that are not among `names`."""
         kept = (replace(b, values={n: e for n, e in b.values.items() if n not in names}) for b in self.told)
         return tuple(b for b in kept if b.values)
+
+
+def _added(seen: Seen, some: Iterable[tuple[Claimed, float]]) -> Float:
+    """Torque (J, N) of claims with their numbers."""
+    added = np.zeros(seen.torque.shape)
+    for held, number in some:
+        pieces = held.claim.pieces(replace(seen, number=number))
+        added += number * (pieces @ held.claim.mix(held.node))
+        added += pieces[:, :, -1] if held.claim.moves else 0.0
+    return added
 
 
 def with_numbers(fits: Fits, state: State) -> OwnNumbers:

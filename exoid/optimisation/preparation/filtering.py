@@ -144,6 +144,42 @@ class PreparedRecording:
         """Return the recording with a torque `load` (N, J) N·m that friction feels beside the model's own."""
         return self.changed(motion=replace(self.motion, load=load)) if load.any() else self
 
+    def at_times(self, t: Float) -> PreparedRecording:
+        """Return the recording with the motion that it has at other times `t` (N,) in s: those of its torques."""
+        motion, stuck, told = replace(self.at(t), t=self.motion.t), self.stuck[self.sample_at(t)], self.direction
+        turning = told and replace(told, velocity=told.velocity[self.sample_at(t)])
+        moved = replace(self, motion=motion, stuck=stuck, hidden=self.hidden | stuck, direction=turning)
+        if self.read is None:
+            return moved
+        fitted = ~stuck[self.kept].T & ~self.standing[:, None]
+        return replace(moved, read=replace(self.read, fitted=fitted)).without(self.spikes)
+
+    def sample_at(self, t: Float) -> np.ndarray:
+        """Return the working sample (M,) at each of the times `t` (M,) in s, or the next one."""
+        return np.searchsorted(self.motion.t, t).clip(0, len(self.motion) - 1)
+
+    def at(self, t: Float) -> Motion:
+        """Return the motion at other times `t` (M,) in s, beyond its own as at its ends: which way a joint moves is
+        asked of its velocity then, since between samples of that a step is none.
+        """
+        signals, path = self._path
+        inside = np.clip(t, self.motion.t[0], self.motion.t[-1])
+        ends = np.cumsum([x.shape[1] for x in signals.values()])
+        then = dict(zip(signals, np.split(path(inside), ends[:-1], axis=1), strict=True))
+        band = self.direction.band if self.direction else self.band
+        turning = np.tanh(then.pop("velocity") / sign_width(self.angle_noise, band, self.reach))
+        return replace(self.motion, t=t, sign=np.where(self.standing, 0.0, turning), **then)
+
+    @cached_property
+    def _path(self) -> tuple[dict[str, Float], Any]:
+        """The signals of the motion, {name: (N, S)}, and a spline of all of them."""
+        from scipy.interpolate import CubicSpline
+
+        names = ("q", "dq", "ddq", "base", "force", "load")
+        signals = {name: x for name in names if (x := getattr(self.motion, name)) is not None}
+        signals["velocity"] = self.direction.velocity if self.direction else self.motion.dq
+        return signals, CubicSpline(self.motion.t, np.concatenate([*signals.values()], axis=1))
+
     def changed(self, **values: Any) -> PreparedRecording:
         """Return the recording with other values of its fields, the same samples hidden: their bridges are kept."""
         new = replace(self, **values)
