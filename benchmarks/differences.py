@@ -13,11 +13,15 @@ in which a rotor or a tendon is hidden and nothing has a temperature.
 from __future__ import annotations
 
 import argparse
+import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from benchmarks import mujoco_leg
 from benchmarks.arena.plants.equations import EFFECTS, NAMES, At, Links, rigid
@@ -273,7 +277,8 @@ def judged(seed: int, kind: str, *, effect: bool, mujoco: bool = False) -> tuple
         wrong.append(f"named {named or 'nothing'} for {hidden or 'nothing'}")
     if answer.verdict != ("adequate" if not hidden else "missing") and not (hidden and answer.verdict == "ambiguous"):
         wrong.append(answer.verdict)
-    numbers = [(said.values[run], x) for said, item in pairs for run, x in item.values.items()]
+    masses = [(said, item) for said, item in pairs if item.what != "carried_load" or said.unit == "kg"]
+    numbers = [(said.values[run], x) for said, item in masses for run, x in item.values.items()]
     return "; ".join(wrong), len(numbers), sum(e.low <= x <= e.high for e, x in numbers)
 
 
