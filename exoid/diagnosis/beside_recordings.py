@@ -39,7 +39,7 @@ def answer_beside_recordings(
     asking: Asking, base: FittedModel, answer: Diagnosis, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis | None:
     """Return an answer beside what belongs to recordings; None where that does not predict clearly better."""
-    pushed, answer = answer.outside, answer.inside or answer
+    doubted, answer = answer.inside is not None, answer.inside or answer
     whole = fitted_on(answer.fit, base.prepared)
     against = _Against(asking, base, answer, _common(whole, _names(answer)), whole)
     rivals = []
@@ -48,7 +48,7 @@ def answer_beside_recordings(
         if rival is not None and not _leaves_more(rival):
             return rival
         rivals.append(rival)
-    return None if pushed else next(filter(None, rivals), None)
+    return None if doubted else next(filter(None, rivals), None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,14 +164,16 @@ def _refitted(model: Model, whole: FittedModel) -> FittedModel:
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
     """True if a `rival` beside numbers of recordings may stand in place of an answer without; where more than noise is
-    left beside these, only of one that leaves more, too, and where they are the `main` explanation, or zeros, which are
-    usual, beside the same effects.
+    left beside these, only of one that leaves more, too, or has the same effects, and where they are the `main`
+    explanation, or zeros, which are usual, and both.
     """
     if rival.verdict == "check_channels" or rival.outside:
         return False
+    if answer.verdict == "check_channels":  # before any search
+        return rival.verdict == "adequate"
     if _leaves_more(rival):
-        kept = _names(answer) <= _names(rival)
-        return _leaves_more(answer) and (main or (kept and not own.ways))
+        kept, also = _names(answer) <= _names(rival), _leaves_more(answer)
+        return (kept or also) if main else (kept and also and not own.ways)
     # What is another machine's is explained by as many numbers as a machine has.
     return answer.error is not None or not own.of_a_machine(answer.left_out)
 
@@ -198,8 +200,9 @@ def _with_own(
         again, without = replace(asking.question, own=own), own.applied(given)
         fitted = again.fitted(recordings, verify, asking.tick, without)
         rival = answer_of_machine(replace(asking, question=again), fitted, recordings, verify)
-        if kept is not None and kept[0].verdict == "adequate" and rival.verdict != "adequate":
-            break
+        worse = rival.verdict == "check_channels" or _leaves_more(rival)
+        if kept is not None and worse and not _leaves_more(kept[0]):
+            return *kept[:2], own if own.by_recording.keys() == kept[2].by_recording.keys() else kept[2]
         kept = rival, fitted_on(rival.fit, without), own
         last = _common(fitted_on(rival.fit, own.carried(given)), _names(rival))
         own = _belonging_beside(last, again.rules, own.cuts, ways) or own

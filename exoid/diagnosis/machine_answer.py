@@ -102,20 +102,22 @@ def _inside(
     done = question.search(base, whole, asking.found, read)
     prepared, state = done.prepared, done.found.state
 
-    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> tuple[Searched, Diagnosis]:
-        return done, write_up(done, (Extension(done.base),), (), None, possible, answer, asking.began)
+    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:
+        return write_up(done, (Extension(done.base),), (), None, possible, answer, asking.began)
 
     if done.answer is not None:
-        return as_given(done.answer)
+        return done, as_given(done.answer)
     if wrong := next(filter(is_reading, state.names), None):
-        return as_given(doubted(reading_doubt(state.last.fitted.fit, wrong)))
+        return done, as_given(doubted(reading_doubt(state.last.fitted.fit, wrong)))
     whole(0.95, "judging what was found on the whole of the recordings")
     done, extensions = settle(done)
     state = done.found.state
     last = extensions[-1].fitted
     doubt = doubts_after(done.base, last, rules)
-    if doubt is not None:
-        return as_given(doubted(doubt))
+
+    def unless_doubted(found: Diagnosis) -> tuple[Searched, Diagnosis]:
+        return done, found if doubt is None else replace(as_given(doubted(doubt)), inside=found)
+
     several = len(recordings) + len(verify) > 1
     agreements = agreements_of(done.context, state) if several else {}
     possible = possible_of(done.context, state, several)
@@ -129,11 +131,12 @@ def _inside(
         accepted = tuple(replace(effect, doubted=True) for effect in accepted)
     soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
-        return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
+        soft_answer = behind(soft, last.model.joints)
+        return unless_doubted(as_given(soft_answer, possible_beside(soft, accepted, possible, rules)))
     accepted = tuple(map(in_words, accepted))
     behind_filter = _filtered(done.context, state, rules)
     if behind_filter is not None and behind_filter.doubt is not None:
-        return as_given(doubted(behind_filter.doubt))
+        return unless_doubted(as_given(doubted(behind_filter.doubt)))
     if behind_filter is not None:
         also = (behind_filter.name,)
         accepted = tuple(
@@ -143,7 +146,7 @@ def _inside(
     first = () if accepted else done.found.first
     leading = leading_of(done.context, state, first, done.base.evaluation_rms)
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
-    return done, write_up(done, extensions, accepted, left, possible, answer, asking.began, leading)
+    return unless_doubted(write_up(done, extensions, accepted, left, possible, answer, asking.began, leading))
 
 
 def _agreed(

@@ -551,16 +551,36 @@ def test_torques_at_other_times_are_those_and_change_so_with_the_number(what, nu
     assert change == pytest.approx(3.0 * np.cos(3.0 * at) * slope(t), abs=1e-3 * 30.0)
 
 
+def timed(k, fast, numbers, stop=0.0):
+    """Return 20 s of a joint whose torques are logged by a clock that runs so much faster, with a stop at 0.6 rad."""
+    t, rng = np.arange(0.0, 20.0, 0.01), np.random.default_rng([1, k])
+    then, seen = swing(k, t * (1.0 + fast)), swing(k, t)[0]
+    tau = AXIS.torque(Motion(t, *then), np.array(numbers), None) + stop * np.maximum(then[0] - 0.6, 0.0)
+    noise = rng.standard_normal((2, *tau.shape))
+    return Recording(f"run_{k}", t, seen + 1e-5 * noise[0], tau + 0.03 * noise[1], joints=AXIS.joints)
+
+
+def test_channels_that_a_search_leaves_in_doubt_have_to_beat_what_belongs_to_recordings():
+    """A stop is most of the torque, and the numbers are none of a machine as long as the clock is not known."""
+    runs = [timed(k, 0.004, [0.05, 0.1, 0.3, 0.1], stop=150.0) for k in range(4)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert [effect.name for effect in found.accepted] == ["end_stop:axis"]
+    assert told(found)["clock_rate"] == pytest.approx({f"run_{k}": 0.004 for k in range(4)}, abs=1e-5)
+
+
+def test_torques_that_are_all_far_too_late_are_no_clock_of_most_recordings():
+    runs = [late(drive(k), 0.15) for k in range(4)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert found.verdict == "check_channels" and not found.of_recordings
+
+
 @pytest.mark.parametrize("fast", [-0.004, 0.003])
 def test_what_a_clock_leaves_is_noise_although_friction_reverses_in_a_moment(fast):
-    t, rng, runs = np.arange(0.0, 20.0, 0.01), np.random.default_rng(1), []
-    for k in range(4):
-        tau = AXIS.torque(Motion(t, *swing(k, t * (1.0 + fast))), NUMBERS, None)
-        tau += 0.03 * rng.standard_normal(tau.shape)
-        runs.append(Recording(f"run_{k}", t, swing(k, t)[0], tau, joints=AXIS.joints))
+    runs = [timed(k, fast, NUMBERS) for k in range(4)]
     found = discover(AXIS, runs[:3], runs[3])
     (clock,) = found.of_recordings
-    assert clock.what == "clock_rate" and all(e.low < fast < e.high for e in clock.values.values())
+    assert clock.what == "clock_rate"
+    assert [e.value for e in clock.values.values()] == pytest.approx([fast] * 4, abs=1e-5)
     assert found.verdict == "adequate" and found.steps[-1].verify_rms < 1.2 * found.noise_floor
 
 

@@ -232,8 +232,13 @@ class OwnNumbers:
         """
         if any(held.claim.factor for held in self.held) and self.now.model.terms != other.now.model.terms:
             return False
-        first, new = ({(b.what, b.joint, n): e for b in own.told for n, e in b.values.items()} for own in (self, other))
+        first, new = self.by_recording, other.by_recording
         return first.keys() == new.keys() and all(new[k].low <= e.value <= new[k].high for k, e in first.items())
+
+    @property
+    def by_recording(self) -> dict[tuple[str, str | None, str], Estimate]:
+        """The numbers that are told, by what they are, joint or link, and recording."""
+        return {(b.what, b.joint, name): e for b in self.told for name, e in b.values.items()}
 
     def mixed_with(self, fitted: FittedModel, rules: Rules) -> frozenset[str]:
         """Names of the numbers of a model that do what each recording has: of either only their sum is known."""
