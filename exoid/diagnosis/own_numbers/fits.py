@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -183,17 +182,17 @@ class Fits:
         if early:
             seen = seen_before_filter(self.now, recording, self.linear, self.now.shapes[k])
         if alone is not None:
-            unit, elsewhere = np.eye(len(self.linear))[alone], seen.elsewhere and partial(self._column, k, alone)
-            rising = None if early else self.rising[k][:, :, alone]
-            seen = replace(
-                seen, linear=unit, torque=seen.columns[:, :, alone], rising=rising, elsewhere=elsewhere
-            )
+            seen = replace(seen, linear=np.eye(len(self.linear))[alone], torque=seen.columns[:, :, alone])
         pieces = claim.pieces(replace(seen, number=number))
         return recording.smooth_columns(pieces) if early else pieces
 
-    def _column(self, k: int, alone: int, times: Float) -> Float:
-        """Return one column (J, M) of the model on a recording at other times (M,)."""
-        return columns_on(self.now, self.now.prepared.all[k].at(times), self.now.shapes[k])[:, :, alone]
+    def _moved(self, claim: Claim, k: int, number: float) -> Float:
+        """Return by how much the model's columns (J, K, P) on a recording change where a claim moves them in time."""
+        assert claim.moves is not None
+        recording, shape = self.now.prepared.all[k], self.now.shapes[k]
+        seen = seen_before_filter(self.now, recording, self.linear, shape)
+        then = columns_on(self.now, recording.at(claim.moves(replace(seen, number=number))), shape)
+        return recording.smooth_columns(then - seen.columns)
 
     def numbers_of(self, state: State, step: Float, j: int) -> dict[Claim, float]:
         """Numbers of the claims that hold of a part (index), of those (Q,) of the model and of the state."""
@@ -208,11 +207,14 @@ class Fits:
         for j, (part, use) in enumerate(zip(self.parts, self.use, strict=True)):
             slope = np.zeros((*use.shape, len(self.linear)))
             for (held, group), number in zip(groups, numbers.tolist(), strict=True):
-                for p in range(len(self.linear)) if held.claim.factor and j in group else ():
+                if not held.claim.factor or j not in group:
+                    continue
+                if held.claim.moves:
+                    slope += self._moved(held.claim, part.recording, number)[:, part.kept] * use[:, :, None]
+                    continue
+                for p in range(len(self.linear)):
                     pieces = self.pieces(held.claim, part.recording, number, p)
-                    added = number * pieces[:, part.kept, 0]
-                    added += pieces[:, part.kept, -1] if held.claim.moves else 0.0
-                    slope[:, :, p] += added * use
+                    slope[:, :, p] += number * pieces[:, part.kept, 0] * use
             out.append(slope)
         return out
 
