@@ -169,8 +169,6 @@ def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: 
     """
     if rival.verdict == "check_channels" or rival.outside:
         return False
-    if answer.verdict == "check_channels":  # before any search
-        return rival.verdict == "adequate"
     if _leaves_more(rival):
         kept, also = _names(answer) <= _names(rival), _leaves_more(answer)
         return (kept or also) if main else (kept and also and not own.ways)

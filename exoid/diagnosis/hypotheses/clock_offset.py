@@ -6,6 +6,7 @@ A delay that all have is the machine's, and an effect.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, moving, sides, than_usual
 from exoid.symbolic.model import Model
@@ -17,7 +18,7 @@ LATEST = 0.3
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return a delay of all torques, another one in some recordings."""
-    return (moving("clock_offset", "s", _late, LATEST, (1e3, "ms")),)
+    return (replace(moving("clock_offset", "s", _late, LATEST, (1e3, "ms")), unlike="clock_offset"),)
 
 
 def _late(seen: Seen) -> Float:

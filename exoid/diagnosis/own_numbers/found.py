@@ -189,10 +189,14 @@ class _Search:
         for rival, kept in ((self.fits.curve(held.claim.place), True), (unlike, False)):
             if not rival:
                 continue
-            self.fits.weigh((*rest, held))
-            explains = total(self.fits.losses((*rest, *rival))) < total(self.fits.losses(rest))
             after = (*rest, *rival, held) if kept else (*rest, held)
-            if explains and not self.fits.pays((*rest, *rival), after, self.clear):
+            self.fits.weigh((*rest, held) if kept else (*rest, *rival))
+            once = self.fits.losses((*rest, *rival))
+            explains = total(once) < total(self.fits.losses(rest))
+            self.fits.weigh((*rest, held))
+            then = self.fits.losses(after)
+            enough = total(then) <= (1.0 - self.rules.worth_telling) * total(once)
+            if explains and not (enough and clearer(once, then) >= self.clear and np.isfinite(self.fits.loss(after))):
                 return True
         return False
 

@@ -145,14 +145,17 @@ class PreparedRecording:
         return self.changed(motion=replace(self.motion, load=load)) if load.any() else self
 
     def at_times(self, t: Float) -> PreparedRecording:
-        """Return the recording with the motion that it has at other times `t` (N,) in s: those of its torques."""
+        """Return the recording with the motion that it has at other times `t` (N,) in s: those of its torques, which
+        whoever wrote them to the times of the angles may have interpolated where friction jumps.
+        """
         motion, stuck, told = replace(self.at(t), t=self.motion.t), self.stuck[self.sample_at(t)], self.direction
         turning = told and replace(told, velocity=told.velocity[self.sample_at(t)])
         moved = replace(self, motion=motion, stuck=stuck, hidden=self.hidden | stuck, direction=turning)
         if self.read is None:
             return moved
         fitted = ~stuck[self.kept].T & ~self.standing[:, None]
-        return replace(moved, read=replace(self.read, fitted=fitted)).without(self.spikes)
+        missing = self.read.missing | (around_reversals(motion.dq) & ~self.standing)
+        return replace(moved, read=replace(self.read, fitted=fitted, missing=missing)).without(self.spikes)
 
     def sample_at(self, t: Float) -> np.ndarray:
         """Return the working sample (M,) at each of the times `t` (M,) in s, or the next one."""
