@@ -262,7 +262,7 @@ class Diagnosis(Reported):
     outside: bool = False
     """Whether the error is not the machine's: something that was not measured acts from outside."""
     inside: Diagnosis | None = field(default=None, repr=False)
-    """Then the answer of the machine alone."""
+    """The answer of the machine alone, where that, or a doubt about what a search found, is told in its place."""
 
     @property
     def unit(self) -> str:
