@@ -277,8 +277,8 @@ def judged(seed: int, kind: str, *, effect: bool, mujoco: bool = False) -> tuple
         wrong.append(f"named {named or 'nothing'} for {hidden or 'nothing'}")
     if answer.verdict != ("adequate" if not hidden else "missing") and not (hidden and answer.verdict == "ambiguous"):
         wrong.append(answer.verdict)
-    masses = [(said, item) for said, item in pairs if item.what != "carried_load" or said.unit == "kg"]
-    numbers = [(said.values[run], x) for said, item in masses for run, x in item.values.items()]
+    comparable = [(said, item) for said, item in pairs if item.what != "carried_load" or said.unit == "kg"]
+    numbers = [(said.values[run], x) for said, item in comparable for run, x in item.values.items()]
     return "; ".join(wrong), len(numbers), sum(e.low <= x <= e.high for e, x in numbers)
 
 

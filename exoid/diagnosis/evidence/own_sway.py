@@ -62,7 +62,9 @@ class OwnSway:
 
 
 def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway | None:
-    """Return the sway that explains most of what `last` leaves beyond the `noise` (J,), N·m; None for none."""
+    """Return the sway about the clearest line of what `last` leaves, where that is far above the `noise` (J,) in N·m;
+    None for none.
+    """
     swing = swinging(last) if np.any(last.evaluation_rms > rules.near_noise * noise) else None
     effect, model = find_effect(ENTRY), last.model
     if swing is None or model.moving_base or any(term.effect.id == ENTRY for term in model.terms):

@@ -82,9 +82,9 @@ class Claim:
     and the last piece is added whatever its number. Friction that grows with the load feels it where it is `borne` by
     the drives. `everyone`: each recording has one of its own; `common`: all have
     the same; otherwise those have one that differ from the others, and the same where it is `shared`; it may begin
-    within a recording, unless it is of the `whole`. What is `unlike` another hypothesis must beat it where all have the
-    same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how many of another unit
-    its own is, in which it is said.
+    within a recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or itself, must beat it
+    where all have the same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how
+    many of another unit its own is, in which it is said.
     """
 
     what: str

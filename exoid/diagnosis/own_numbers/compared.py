@@ -21,7 +21,12 @@ def predicts_better(
     once, then = (item.recording_losses(last.scale, rules, cuts) for item in (last, rival))
     if rival.unseen_loss(last.scale, rules) > (1.0 + rules.worth_telling) * last.unseen_loss(last.scale, rules):
         return False
-    return total(then) <= (1.0 - rules.worth_telling) * total(once) and clearer(once, then) >= rules.clear
+    return falls_clearly(once, then, rules, rules.clear)
+
+
+def falls_clearly(once: Sequence[Float], then: Sequence[Float], rules: Rules, clear: float) -> bool:
+    """True if losses `then` are below `once` by a part worth telling, and by so many standard errors."""
+    return total(then) <= (1.0 - rules.worth_telling) * total(once) and clearer(once, then) >= clear
 
 
 def explained_by(last: FittedModel, rival: FittedModel) -> float:

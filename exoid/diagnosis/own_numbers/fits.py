@@ -12,7 +12,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
-from exoid.diagnosis.own_numbers.compared import clearer, total
+from exoid.diagnosis.own_numbers.compared import falls_clearly, total
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of, state_columns
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
@@ -341,9 +341,8 @@ class Fits:
 
     def pays(self, before: State, after: State, clear: float) -> bool:
         """True if `after` predicts the other halves clearly better than `before`, and by a part worth telling."""
-        once, then = self.losses(before), self.losses(after)
-        enough = total(then) <= (1.0 - self.rules.worth_telling) * total(once)
-        return enough and bool(np.isfinite(self.loss(after))) and clearer(once, then) >= clear
+        clearly = falls_clearly(self.losses(before), self.losses(after), self.rules, clear)
+        return clearly and bool(np.isfinite(self.loss(after)))
 
     def curve(self, joint: str | None) -> State:
         """A curve as claims of all recordings together, one for each spline; none where `joint` is no joint."""

@@ -15,7 +15,7 @@ import numpy as np
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.own_numbers.changes import changes_of, sharpened
-from exoid.diagnosis.own_numbers.compared import clearer, total
+from exoid.diagnosis.own_numbers.compared import clearer, falls_clearly, total
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers, with_numbers
 from exoid.diagnosis.own_numbers.state import UNCUT, Claimed, Cuts, State
@@ -184,21 +184,20 @@ class _Search:
         where each recording has a speed of its own friction that depends on speed looks like friction that differs, to
         which the claim adds nothing; or what the claim is `unlike`, which it does not beat.
         """
-        alike = [claim for claim in self.fits.claims if claim.what == held.claim.unlike]
+        fits, alike = self.fits, [claim for claim in self.fits.claims if claim.what == held.claim.unlike]
         unlike = tuple(Claimed(claim, claim.nodes[0], self.all) for claim in alike)
-        for rival, kept in ((self.fits.curve(held.claim.place), True), (unlike, False)):
-            if not rival:
-                continue
-            after = (*rest, *rival, held) if kept else (*rest, held)
-            self.fits.weigh((*rest, held) if kept else (*rest, *rival))
-            once = self.fits.losses((*rest, *rival))
-            explains = total(once) < total(self.fits.losses(rest))
-            self.fits.weigh((*rest, held))
-            then = self.fits.losses(after)
-            enough = total(then) <= (1.0 - self.rules.worth_telling) * total(once)
-            if explains and not (enough and clearer(once, then) >= self.clear and np.isfinite(self.fits.loss(after))):
+        if curve := fits.curve(held.claim.place):
+            fits.weigh((*rest, held))
+            explains = total(fits.losses((*rest, *curve))) < total(fits.losses(rest))
+            if explains and not fits.pays((*rest, *curve), (*rest, *curve, held), self.clear):
                 return True
-        return False
+        if not unlike:
+            return False
+        fits.weigh((*rest, *unlike))  # each where the fit is weighted for it: of clocks columns bend with the number
+        once, without = fits.losses((*rest, *unlike)), fits.losses(rest)
+        fits.weigh((*rest, held))
+        beaten = falls_clearly(once, fits.losses((*rest, held)), self.rules, self.clear)
+        return total(once) < total(without) and not (beaten and bool(np.isfinite(fits.loss((*rest, held)))))
 
     def _common(self, state: State) -> list[Claimed]:
         """The claims that are not held of which all recordings have the same number, where that can be."""
