@@ -368,7 +368,8 @@ def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
 
 def sentence_of(term: Term, numbers: Mapping[str, Estimate], unknown: Collection[str] = ()) -> str:
     """Return e.g. "Stribeck friction at the knee (extra friction at creeping speed 2.2 ± 0.1 N·m, ...)"; `unknown` are
-    the numbers, by their names in full, that are known only together with others.
+    the numbers, by their names in full, that are known only together with others, as are values of a shape whose
+    interval is wider than all that they can be.
     """
     parts = []
     own = {n for n, s in term.placed_shape.items() if s.per_recording and (s.turns or s.spacing == "position")}
@@ -377,10 +378,10 @@ def sentence_of(term: Term, numbers: Mapping[str, Estimate], unknown: Collection
             what = number_called(term.effect, name)
             parts.append(f"{what} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
             continue
-        if e.name in unknown:
+        half, shape = 0.5 * (e.high - e.low), term.placed_shape.get(name)
+        if e.name in unknown or (shape is not None and shape.max - shape.min < half < math.inf):
             parts.append(number_said(term.effect, name, e.value, e.unit, math.inf))
             continue
-        half = 0.5 * (e.high - e.low)
         known = half if np.isfinite(half) and half > 0.0 else None
         parts.append(number_said(term.effect, name, e.value, e.unit, known))
     return f"{title_of(term.effect, term.joint)} ({', '.join(parts)})"

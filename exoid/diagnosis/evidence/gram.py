@@ -10,6 +10,13 @@ import numpy as np
 
 from exoid.symbolic.motion import Float
 
+NOTHING = 1e-9
+"""Length of a column that is rounding: in deviations of the residual per unit (a sway across a stage moves nothing), or
+of the longest of its effect (a spring across a circle about the joint).
+"""
+ABSORBED = 1e-6
+"""Share of a column that is new to the model, up to which the model's own parameters take it over."""
+
 
 @dataclass(frozen=True, eq=False)
 class Gram:
@@ -118,9 +125,12 @@ class Fits:
         flat = g.reshape(*g.shape[:2], -1)
         lean = (self.inverse @ flat).reshape(g.shape)  # (S, P, m, D)
         schur = h - np.einsum("spmd,spnd->smnd", lean, g)
-        scale = np.sqrt(np.maximum(np.einsum("smmd->smd", h), 1e-300))
+        length = np.sqrt(np.maximum(np.einsum("smmd->smd", h), 1e-300))
+        longest = length.max(axis=1, keepdims=True)
+        # The number of a column that is rounding, or that the model contains, would be of any sign.
+        shown = (length > NOTHING * longest) & (np.einsum("smmd->smd", schur) > ABSORBED * length**2)
         # A column that the fitted units hardly show must not escape the ridge by being small.
-        scale = np.maximum(scale, ridge[1] * scale.max(axis=1, keepdims=True))
+        scale = np.where(shown, np.maximum(length, ridge[1] * longest), np.inf)
         right = fitted.a - (self.step[:, None] @ flat).reshape(fitted.a.shape)
         normal = schur / (scale[:, :, None] * scale[:, None]) + ridge[0] * np.eye(len(h[0]))[:, :, None]
         coefficients = _solved(normal, right / scale) / scale
@@ -199,10 +209,6 @@ def largest_eigenvalue(matrices: Float) -> Float:
     if len(matrices) == 1:
         return np.asarray(matrices[0, 0])
     return np.asarray(np.linalg.eigvalsh(np.moveaxis(matrices, -1, 0))[:, -1])
-
-
-NOTHING = 1e-9
-"""Length of a column, in deviations of the residual per unit, that is rounding: a sway across a stage moves nothing."""
 
 
 def inverse_of(grams: Float) -> Float:

@@ -103,7 +103,7 @@ def look_alikes(
     The lag is in standard errors of the difference; 0 is a tie. A rival that still gains beside the best one is no
     look-alike but another effect, and so is one that leaves the error of the best one's joints: `leaves_joints`.
     """
-    by_joint = joint_losses(evidence, evidence.plain(best[1]), best[1])
+    by_joint, without = (joint_losses(evidence, evidence.plain(some), some) for some in (best[1], _nothing(best[1])))
     reference = by_joint.sum(axis=0)
     out: dict[str, float] = {}
     for score, columns in rivals:
@@ -112,7 +112,7 @@ def look_alikes(
         loss = joint_losses(evidence, evidence.plain(columns), columns)
         behind = lag(loss.sum(axis=0), reference)
         practically = score.share >= evidence.rules.practically * best[0].share
-        elsewhere = leaves_joints(loss, by_joint, best[0].candidate, evidence.rules)
+        elsewhere = leaves_joints(loss, by_joint, without, best[0].candidate, evidence.rules)
         if practically and score.candidate.numbers < best[0].candidate.numbers:
             out[score.name] = 0.0
         elif behind < evidence.rules.clear and not elsewhere:
@@ -129,11 +129,14 @@ def gains_beside(
     return share - best[0].share > evidence.rules.half * rival.share
 
 
-def leaves_joints(loss: Float, than: Float, best: Candidate, rules: Rules) -> bool:
+def leaves_joints(loss: Float, than: Float, without: Float, best: Candidate, rules: Rules) -> bool:
     """True if a rival's loss (J, blocks) is clearly above that of the `best` candidate (`than`) at a joint where the
-    best one acts: what makes the error of another joint smaller is another effect, however much that may be.
+    best one acts, or falls there, from that `without` either, by less than half as much: what makes the error of
+    another joint smaller is another effect, however much that may be.
     """
-    return any(lag(loss[joint], than[joint]) >= rules.clear for joint in best.joints)
+    at = list(best.joints)
+    fall, most = (float(np.sum(without[at]) - np.sum(entry[at])) for entry in (loss, than))
+    return fall < rules.half * most or any(lag(loss[joint], than[joint]) >= rules.clear for joint in at)
 
 
 def clearly_helps(evidence: Evidence, columns: Sequence[Columns], cutoff: float) -> bool:
@@ -141,9 +144,13 @@ def clearly_helps(evidence: Evidence, columns: Sequence[Columns], cutoff: float)
     some periods of the band of `cutoff` Hz scatter.
     """
     seconds = min(evidence.rules.block_seconds, PERIODS / cutoff)
-    nothing = [Columns(c.joints, np.zeros_like(c.values)) for c in columns]
-    each = [joint_losses(evidence, evidence.plain(some), some, seconds=seconds) for some in (nothing, columns)]
+    tried = (_nothing(columns), columns)
+    each = [joint_losses(evidence, evidence.plain(some), some, seconds=seconds) for some in tried]
     return lag(*(loss.sum(axis=0) for loss in each)) >= evidence.rules.clear
+
+
+def _nothing(columns: Sequence[Columns]) -> list[Columns]:
+    return [Columns(c.joints, np.zeros_like(c.values)) for c in columns]
 
 
 def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:

@@ -12,14 +12,12 @@ from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns, LateColumns
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.gram import Gain, Gram
+from exoid.diagnosis.evidence.gram import ABSORBED, Gain, Gram
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import TIED, index_of_greatest, tied
 from exoid.symbolic.effect import Coefficient, Shape
 from exoid.symbolic.motion import Float
 
-ABSORBED = 1e-6
-"""Share of a column that is new to the model, up to which the model's own parameters take it over."""
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
 AT_ONCE = 100_000

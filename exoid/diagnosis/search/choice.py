@@ -162,8 +162,8 @@ def refitted(
         return None
     wanted = {*behind_best, *alike} - elsewhere
     others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
-    own = by_joint[score.name]
-    others = [s for s in others if not leaves_joints(by_joint.get(s.name, own), own, score.candidate, rules)]
+    own, without = by_joint[score.name], extension.fitted.joint_losses(scale, rules)
+    others = [s for s in others if not leaves_joints(by_joint.get(s.name, own), own, without, score.candidate, rules)]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
     behind = {name: lag(loss, losses[score.name]) for name, loss in losses.items()}
