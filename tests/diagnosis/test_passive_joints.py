@@ -11,9 +11,11 @@ from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import model_error, sensor_noise
 from exoid.diagnosis.evidence.remainder import remainders
+from exoid.diagnosis.hypotheses import claims_of
 from exoid.ground.errors import NotEnoughDataError, RecordingError
 from exoid.measurement.auditing.checks.motion import check
 from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.filtering import driven_joints
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.model import Model
 from exoid.workbench.command_line.inputs import passive_joints
@@ -61,6 +63,10 @@ def test_nothing_of_a_drive_is_suspected_at_a_joint_without_one():
     assert "stribeck:knee" in names  # friction of the joint itself needs no drive
     mixed = prepare(model, [quiet(0).with_passive("knee"), recording(3)], cutoff=5.0)
     assert "drive_gain:knee" in {c.name for c in build_library(model, mixed.all).candidates}
+    own = {(claim.what, claim.place) for claim in claims_of(model, driven_joints(prepared.all))}
+    assert ("sensor_zero", "hip") in own and ("friction_level", "knee") in own
+    assert not own & {("sensor_zero", "knee"), ("torque_gain", "knee")}  # nobody measures a torque there
+    assert any((c.what, c.place) == ("sensor_zero", "knee") for c in claims_of(model, driven_joints(mixed.all)))
 
 
 def test_the_option_names_all_recordings_or_one():

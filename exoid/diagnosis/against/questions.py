@@ -14,7 +14,7 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
-from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.language.torque import torques
 from exoid.symbolic.motion import Float
@@ -92,8 +92,9 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
     Effects that drift with the time of a recording are left out: how a change came about is asked of its course. What
     is dry or viscous of a friction level is a number of the model.
     """
-    model = fitted.model
-    found = [_claimed(claim) for claim in claims or claims_of(model) if claim.place and not (claim.common or claim.of)]
+    model, every = fitted.model, fitted.prepared.all
+    claims = claims or claims_of(model, driven_joints(every))
+    found = [_claimed(claim) for claim in claims if claim.place and not (claim.common or claim.of)]
     names = [*((p.name, p.unit) for p in model.parameters), *((s.name, s.shape.unit) for s in model.shapes)]
     choices = [False] * len(model.parameters) + [bool(s.shape.choices) for s in model.shapes]
     for k, (name, unit) in enumerate(names):
@@ -101,7 +102,7 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
             claim = Claim("number", name, unit, nothing, ANY)
             found.append(Asked(name, "number", {name: (unit, *ANY)}, np.zeros((1, 1)), claim=claim, column=k))
     taken = {item.name for item in found}
-    for own in build_library(model, fitted.prepared.all, extra).candidates:
+    for own in build_library(model, every, extra).candidates:
         if own.name not in taken and not _tells_time(own.term):
             candidate = own.at_one_place if own.common.size else own
             kind = "sensor" if own.term.effect.family == "sensor" else "effect"

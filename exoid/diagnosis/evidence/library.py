@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.candidates import Candidate, feeds_back, fill_colu
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.optimisation.fitting.shapes import from_unit
-from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
 from exoid.symbolic.effect import Effect, Shape
 from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.model import Model
@@ -100,7 +100,7 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
     Terms that `model` already has are left out, what a person brings where it has no wearer, and effects of a drive, or
     of the model's own torque, at a joint that has no drive in any recording.
     """
-    driven = [any(recording.driven[j] for recording in prepared) for j in range(len(model.joints))]
+    driven = driven_joints(prepared)
     known = {term.name for term in model.terms}
     found = []
     for effect in (*catalogue(model.joints, model.wearer is not None).values(), *extra):

@@ -14,6 +14,7 @@ from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.plain import AsJson
 from exoid.ground.text import digits
 from exoid.ground.ties import index_of_greatest
+from exoid.optimisation.preparation.filtering import driven_joints
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.motion import Float
 from exoid.symbolic.wording import the_joint
@@ -40,8 +41,7 @@ class ModelError(AsJson):
 
 def sensor_noise(prepared: Prepared) -> Float:
     """Return the noise floor (J,), N·m; where no drive acts, of the other joints' sensors: zero torque has no noise."""
-    driven = np.any([item.driven for item in prepared.all], axis=0)
-    return np.asarray(np.where(driven, prepared.noise_floor, prepared.noise_floor.max()))
+    return np.asarray(np.where(driven_joints(prepared.all), prepared.noise_floor, prepared.noise_floor.max()))
 
 
 def times_noise(last: FittedModel) -> Float:

@@ -18,6 +18,7 @@ import numpy as np
 
 from exoid.ground.folder import modules_in
 from exoid.measurement.logged import Logged
+from exoid.optimisation.linear.loss import Bool
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -80,11 +81,11 @@ class Claim:
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
     the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,),
     and the last piece is added whatever its number. Friction that grows with the load feels it where it is `borne` by
-    the drives. `everyone`: each recording has one of its own; `common`: all have
-    the same; otherwise those have one that differ from the others, and the same where it is `shared`; it may begin
-    within a recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or itself, must beat it
-    where all have the same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how
-    many of another unit its own is, in which it is said.
+    the drives; what is of a `drive`, or of its sensor, no joint without one has. `everyone`: each recording has one of
+    its own; `common`: all have the same; otherwise those have one that differ from the others, and the same where it is
+    `shared`; it may begin within a recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or
+    itself, must beat it where all have the same number of that, which is the machine's. `of` is what else its sentence
+    tells, `shown` how many of another unit its own is, in which it is said.
     """
 
     what: str
@@ -96,6 +97,7 @@ class Claim:
     factor: bool = False
     moves: Callable[[Seen], Float] | None = None
     borne: bool = False
+    drive: bool = False
     everyone: bool = False
     shared: bool = False
     common: bool = False
@@ -117,10 +119,13 @@ def hypotheses() -> dict[str, ModuleType]:
     return modules_in(sys.modules[__name__])
 
 
-def claims_of(model: Model, columns: Sequence[StateColumn] = ()) -> tuple[Claim, ...]:
-    """Claims of all hypotheses for the machine of a model, and further columns of its recordings."""
+def claims_of(model: Model, driven: Bool | None = None, columns: Sequence[StateColumn] = ()) -> tuple[Claim, ...]:
+    """Claims of all hypotheses for the machine of a model whose joints `driven` (J,) have a drive, all of them without
+    it, and further columns of its recordings.
+    """
     found: Sequence[Sequence[Claim]] = [hypothesis.claims(model, columns) for hypothesis in hypotheses().values()]
-    return tuple(claim for some in found for claim in some)
+    passive = {model.joint_names[k] for k in np.flatnonzero(~driven)} if driven is not None else set()
+    return tuple(claim for some in found for claim in some if not (claim.drive and claim.place in passive))
 
 
 def sentence_on(claim: Claim, values: dict[str, str], where: str = "", when: str = "") -> str:

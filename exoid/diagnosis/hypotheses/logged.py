@@ -32,13 +32,15 @@ def _at_joint(model: Model, k: int, column: StateColumn) -> list[Claim]:
     below = f"/{column.unit}" if column.unit else ""
     at = f"of what it is at {column.middle:.3g} {column.unit}".rstrip()
 
-    def claim(of: str, unit: str, torque: Callable[[Seen], Float], most: float) -> Claim:
+    def claim(of: str, unit: str, torque: Callable[[Seen], Float], most: float, *, drive: bool = True) -> Claim:
         pieces = at_joint(k, partial(_times, torque, column))
-        what, factor = f"logged:{column.name}", unit == "1"
-        return Claim(what, joint.name, unit + below, pieces, (-most, most), factor=factor, common=True, of=of)
+        return Claim(
+            f"logged:{column.name}", joint.name, unit + below, pieces, (-most, most), factor=unit == "1", drive=drive,
+            common=True, of=of,
+        )  # fmt: skip
 
     return [
-        claim(f"friction, {at}", "1", partial(friction, k), most),
+        claim(f"friction, {at}", "1", partial(friction, k), most, drive=False),
         claim(f"torque as it is told, {at}", "1", lambda seen: seen.torque[k], most),
         claim("torque sensor's zero", joint.unit("tau"), lambda seen: np.ones(len(seen.t)), np.inf),
     ]

@@ -14,7 +14,7 @@ def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return a zero of each torque sensor in every recording."""
     return tuple(
         Claim("sensor_zero", joint.name, joint.unit("tau"), at_joint(k, lambda seen: np.ones(len(seen.t))),
-              (-np.inf, np.inf), everyone=True)
+              (-np.inf, np.inf), drive=True, everyone=True)
         for k, joint in enumerate(model.joints)
     )  # fmt: skip
 

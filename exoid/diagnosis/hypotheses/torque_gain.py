@@ -13,7 +13,7 @@ from exoid.symbolic.motion import Float
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another gain of each torque, a factor to the others' gain."""
     return tuple(
-        Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), (-0.5, 1.0), usual=1.0, factor=True)
+        Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), (-0.5, 1.0), 1.0, factor=True, drive=True)
         for k, joint in enumerate(model.joints)
     )
 

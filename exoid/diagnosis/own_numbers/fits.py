@@ -16,7 +16,7 @@ from exoid.diagnosis.own_numbers.compared import falls_clearly, total
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of, state_columns
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
-from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
 from exoid.symbolic.motion import Float, Motion
 
 ALIKE = 1e-9
@@ -67,7 +67,7 @@ class Fits:
             if recording.motion.load is not None:
                 self.torques[k] = self.torques[k] + recording.smooth(recording.motion.load)
         self.rising = [self._rising(k) for k in range(len(self.blocks))]
-        self.claims = claims_of(now.model, state_columns(now))
+        self.claims = claims_of(now.model, driven_joints(now.prepared.all), state_columns(now))
         self.seen = [self._seen(k) for k in range(len(self.blocks))]
         pieces = [[claim.pieces(seen) for claim in self.claims] for seen in self.seen]
         same = [k for k, claim in enumerate(self.claims) if claim.everyone]

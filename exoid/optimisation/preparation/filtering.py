@@ -336,6 +336,11 @@ class PreparedRecording:
         return 1.0 / float(self.t[1] - self.t[0])
 
 
+def driven_joints(recordings: Sequence[PreparedRecording]) -> Bool:
+    """Mask (J,) of the joints that have a drive in some recording: the torque of the others is zero for certain."""
+    return np.asarray(np.any([recording.driven for recording in recordings], axis=0))
+
+
 def prepare_one(
     base: Model,
     name: str,
