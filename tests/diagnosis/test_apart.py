@@ -11,7 +11,7 @@ from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.apart import left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.rules import RULES
-from exoid.measurement.recording import Recording
+from exoid.measurement.recording import Recording, Source
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.joints import Joint
@@ -105,6 +105,13 @@ def test_the_others_are_answered_and_it_is_named(runs):
     assert found.verdict == "missing" and [one.effect for one in found.accepted] == ["viscous_quadratic"]
     (out,) = found.to_json()["left_out"]
     assert out["recording"] == "run_1" and "fitted alone it is not explained either" in found.sentence
+
+
+@pytest.mark.parametrize("path", ["run_1.csv", "today/run_1.parquet", ""])
+def test_of_a_file_that_is_read_wrongly_the_option_is_told(runs, path):
+    wrong = replace(turned(runs[1]), source=Source(path=path))
+    found = discover(AXIS, [runs[0], wrong, *runs[2:4]], runs[4])
+    assert f"--convention {path.rpartition('/')[2] or 'run_1'}=axis-torque-negated" in found.sentence
 
 
 def test_another_machine_is_told_by_its_numbers(runs):

@@ -88,6 +88,18 @@ def test_a_convention_is_recognised_and_the_option_named_puts_it_right(names):
     assert not check_conventions([right])
 
 
+def test_the_option_names_files_where_others_are_right_as_they_stand():
+    runs = [replace(motion(seed), name=f"run_{seed}") for seed in range(3)]
+    wrong = [kept(run, "flexion-positive") for run in runs]
+    options = [f"--convention run_{k}=flexion-positive" for k in range(3)]
+    (held_out,) = check_conventions(wrong[2:], beside=runs[:2])
+    assert held_out.remedy == f"if so, give {options[2]}" and not held_out.option
+    (fitted,) = check_conventions(wrong[:2], others=runs[2:])
+    assert fitted.remedy == f"if so, give {options[0]} {options[1]}"
+    (every,) = check_conventions(wrong[:2], others=wrong[2:])
+    assert every.remedy == "if so, give --convention flexion-positive"
+
+
 @pytest.mark.parametrize(
     "names",
     [

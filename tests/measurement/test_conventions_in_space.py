@@ -144,6 +144,6 @@ def test_what_one_recording_says_must_not_make_the_others_worse():
     runs = [replace(moved(ARM), name=f"run_{k}") for k in range(3)]
     swapped = kept(runs[2], "swapped-joints-lift-elbow")
     (finding,) = check_conventions([swapped], DOWN, None, runs[:2])
-    assert finding.remedy.endswith("--convention swapped-joints-lift-elbow")
+    assert finding.remedy.endswith("--convention run_2=swapped-joints-lift-elbow")  # the others are right
     wrong = [kept(one, "swapped-joints-lift-elbow") for one in runs[:2]]
     assert not check_conventions([swapped], DOWN, None, wrong)  # read so it would fit them no more

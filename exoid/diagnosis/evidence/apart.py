@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import PurePath
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,7 +140,7 @@ def _left_by(base: FittedModel, found: Fit, odd: Sequence[int]) -> Float:
 
 
 def _is_of(finding: Finding, name: str) -> bool:
-    return finding.where == name or finding.where.endswith((f"/{name}", f"/{name}.csv"))
+    return f"/{PurePath(finding.where).with_suffix('')}".endswith(f"/{name}") or finding.where == name
 
 
 def _plain(own: Float, others: Float, rules: Rules) -> NDArray[np.bool_]:

@@ -83,14 +83,16 @@ def check_conventions(
     forces: tuple[Force, ...] | None = None,
     beside: Sequence[Recording] = (),
     likely: Sequence[str] = (),
+    others: Sequence[Recording] = (),
 ) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
     which little moves fits many machines: what it says alone must not make the fit of all together worse.
     `weighs` says whether the machine moves under gravity, of one in space under which (3,), in m/s², `forces` what its
-    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly, `likely`
-    options that others of it should be given: they are tried before all readings.
+    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly, `others` some
+    of which nobody knows, `likely` options that others of it should be given: they are tried before all readings. Where
+    one of these recordings is better read as it stands, the option is that of the files.
     """
     if not all(map(_known, recordings)):
         return ()
@@ -109,11 +111,18 @@ def check_conventions(
     for some, better in asked:
         if better is None or _only_in_part(some, better, smoothed(some)):
             continue
-        others = len(every) > len(some)
-        read = [_read_so(item, better.reading) if item in some else item for item in every] if others else []
-        if not others or _stands(smoothed(read)) < together:
-            findings.append(_finding(some, better, f"{_file(some[0])}=" if found is None else ""))
+        more = len(every) > len(some)
+        read = [_read_so(item, better.reading) if item in some else item for item in every] if more else []
+        if not more or _stands(smoothed(read)) < together:
+            alone = found is None or any(_is_right(item, better.reading, smoothed) for item in (*beside, *others))
+            findings.append(_finding(some, better, [f"{_file(item)}=" for item in some] if alone else ()))
     return tuple(findings)
+
+
+def _is_right(item: Recording, reading: ConventionHypothesis, smoothed: Callable[..., list[list[Smooth]]]) -> bool:
+    """True if a recording is explained better as it stands than in another reading."""
+    sets = smoothed([item])
+    return bool(sets) and _stands(sets) < _stands(smoothed([_read_so(item, reading)]))
 
 
 def _with_zeros(
@@ -197,21 +206,22 @@ def _steps(recordings: Sequence[Recording], found: Better) -> str:
     return f"; or its encoders have other steps a turn than --units says ({', '.join(every)})" if every else ""
 
 
-def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
+def _finding(recordings: Sequence[Recording], found: Better, files: Sequence[str] = ()) -> Finding:
     option, *same = (",".join(name.name for name in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
     machine = machine_word(joints)
     what = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
     what += f": a {machine} so read leaves {found.then / len(joints):.1%} of the torques' variance unexplained, "
     what += f"as it stands {found.now / len(joints):.0%}"
-    remedy = f"if so, give --convention {file}{option}" if option else "if so, leave --convention away"
+    give = " ".join(f"--convention {file}{option}" for file in files or [""])
+    remedy = f"if so, give {give}" if option else "if so, leave --convention away"
     remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
     remedy += _steps(recordings, found)
     check = SIGN if found.reading.sides and len(recordings) == 1 else CHECK
     where = place_of_all(recordings)
     sure = "possible" if found.rivals or found.then > GAIN else "likely"
     consequence = "every parameter is wrong"
-    return Finding(check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if file else option)
+    return Finding(check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if files else option)
 
 
 def better_reading(

@@ -148,9 +148,10 @@ def prepare(
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for")
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
     meant = model.forces or None
-    misread = check_conventions(recordings, model.pull, meant)
+    misread = check_conventions(recordings, model.pull, meant, others=verify)
     likely = [finding.option for finding in misread if finding.option]
-    misread += check_conventions(verify, model.pull, meant, () if misread else recordings, likely)
+    beside, others = ((), recordings) if misread else (recordings, ())
+    misread += check_conventions(verify, model.pull, meant, beside, likely, others)
     misread = misread or check_scales(recordings) or check_masses(recordings, model.joints, model.pull)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
