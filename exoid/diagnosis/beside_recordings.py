@@ -21,7 +21,7 @@ from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.write_up import with_own
 from exoid.ground.progress import silent
-from exoid.ground.ties import ascending
+from exoid.ground.ties import ascending, least_of
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
@@ -29,6 +29,8 @@ from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
+PLAIN = 2
+"""What an answer may name at most to be taken without looking for a plainer one."""
 NEAREST = 3
 """Entries of the catalogue, those that explain most alone, that are compared with what belongs to recordings."""
 OTHERS_TOO = " So many differences at once may also be those of another machine."
@@ -42,13 +44,17 @@ def answer_beside_recordings(
     doubted, answer = answer.inside is not None, answer.inside or answer
     whole = fitted_on(answer.fit, base.prepared)
     against = _Against(asking, base, answer, _common(whole, _names(answer)), whole)
-    rivals = []
+    near: list[Diagnosis] = []
+    far: list[Diagnosis] = []
     for own, ways in against.promising():
         rival = against.answer_beside(own, ways, recordings, verify)
-        if rival is not None and not _leaves_more(rival):
-            return rival
-        rivals.append(rival)
-    return None if doubted else next(filter(None, rivals), None)
+        if rival is not None:
+            (far if _leaves_more(rival) else near).append(rival)
+        if near and _statements(near[-1]) <= PLAIN:
+            break
+    if near:
+        return least_of(near, _numbers)
+    return far[0] if far and not doubted else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +152,19 @@ class _Against:
         return with_own(rival, told, self.base, caution)
 
 
+def _statements(answer: Diagnosis) -> int:
+    """Count of what an answer names, of recordings and of the machine."""
+    return len(answer.of_recordings) + len(answer.accepted)
+
+
+def _numbers(answer: Diagnosis) -> int:
+    """Count of the numbers of an answer: where several leave no more than noise, the plainest is as likely as it is
+    plain.
+    """
+    own = sum(len(statement.values) for statement in answer.of_recordings)
+    return own + sum(len(effect.parameters) for effect in answer.accepted)
+
+
 def _common(whole: FittedModel, found: Collection[str]) -> FittedModel:
     """Return a model without numbers that each recording has, refitted: a term that was `found` with such, as a delay,
     may be what belongs to some, and places that differ may be its trace.
@@ -202,7 +221,7 @@ def _with_own(
         if kept is not None and worse and not _leaves_more(kept[0]):
             return *kept[:2], own if own.by_recording.keys() == kept[2].by_recording.keys() else kept[2]
         kept = rival, fitted_on(rival.fit, without), own
-        last = _common(fitted_on(rival.fit, own.carried(given)), _names(rival))
+        last = fitted_on(_common(kept[1], _names(rival)).fit, own.carried(given))
         own = _belonging_beside(last, again.rules, own.cuts, ways) or own
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own

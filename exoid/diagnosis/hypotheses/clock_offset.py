@@ -12,7 +12,7 @@ from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, movi
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
-LATEST = 0.3
+LATEST = 1.0
 """s by which torques may come late: beyond, nobody would take the files for recordings of one moment."""
 
 

@@ -9,11 +9,14 @@ from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, at_joint, each_
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
+BOUNDS = (-0.95, 19.0)
+"""By what a gain is larger than the others': a switched range is ten times another, a half bridge half of a full one"""
+
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another gain of each torque, a factor to the others' gain."""
     return tuple(
-        Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), (-0.5, 1.0), 1.0, factor=True, drive=True)
+        Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), BOUNDS, 1.0, factor=True, drive=True)
         for k, joint in enumerate(model.joints)
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -55,11 +55,14 @@ class Fits:
     the model lacks or not: what differs is told from there), the pieces of all claims, and the residual. Where
     recordings are cut, a zero may also begin at the cut. What multiplies a torque of the model does so at the `linear`
     numbers (P,), which every weighing finds anew: another gain of half the recordings spoils those of the model given.
+    The motion of each part may be `timed` by clocks, {what: number}, that are known already.
     """
 
-    def __init__(self, now: FittedModel, rules: Rules, cuts: Cuts) -> None:
+    def __init__(
+        self, now: FittedModel, rules: Rules, cuts: Cuts, timed: Sequence[Mapping[str, float]] = ()
+    ) -> None:
         evidence = now.evidence(seed=0, draws=0, rules=rules)
-        self.now, self.rules, self.blocks, self.cuts = now, rules, evidence.blocks, cuts
+        self.now, self.rules, self.blocks, self.cuts, self.timed = now, rules, evidence.blocks, cuts, timed
         self.parts = parts_of(self.blocks, cuts)
         self.linear = now.linear
         self.torques = [now.torque(k) for k in range(len(self.blocks))]

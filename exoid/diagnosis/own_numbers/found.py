@@ -57,11 +57,11 @@ def belonging_to(
             held = _Search(fits).placed(fits.moved(in_parts, then))
     own = with_numbers(fits, held) if held else None
     for _ in range(TIMED):
-        if own is None or (anew := own.as_timed()) is None:
+        if own is None or not own.timed:
             break
-        known, fits = fits, Fits(now.on(anew), rules, fits.cuts)
-        held = placed(fits, fits.moved(known, own.held))
-        own = with_numbers(fits, held)
+        known, fits = fits, Fits(now.on(own.on_time(now.prepared)), rules, fits.cuts, own.timed)
+        fits.parts = own.parts
+        own = with_numbers(fits, placed(fits, fits.moved(known, own.held)))
     while own is not None and (clear := own.clear) != own.held:
         own = with_numbers(fits, clear) if clear else None
     return own

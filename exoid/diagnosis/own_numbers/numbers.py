@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,6 @@ from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.linear.uncertainty import covariance, critical_value
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
-from exoid.optimisation.preparation.sticking import around_reversals
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
@@ -40,7 +40,8 @@ class Belonging(AsJson):
     """Numbers that belong to recordings: `values` {recording: its own} in `unit`, at a joint or link, as a `sentence`.
 
     Those that are not named are as usual. `place` is where a load is, m; None where it has none or nobody can tell.
-    `spans` {recording: (from, until)} in s are those of recordings of which it holds in one part only.
+    `spans` {recording: (from, until)} in s are those of recordings of which it holds in one part only; `tell` makes the
+    sentence of such values.
     """
 
     what: str
@@ -50,6 +51,7 @@ class Belonging(AsJson):
     sentence: str
     place: Estimate | None = None
     spans: Mapping[str, Span] = field(default_factory=dict)
+    tell: Callable[[Mapping[str, Estimate]], str] = field(default=lambda values: "", repr=False)
 
     def _json(self) -> dict[str, Any]:
         values = {name: {"value": e.value, "low": e.low, "high": e.high} for name, e in self.values.items()}
@@ -138,19 +140,21 @@ class OwnNumbers:
         without = self.applied(prepared)
         return fitted_model(identify(model, without.train, optimisers=()), without)
 
-    def as_timed(self) -> Prepared | None:
-        """The recordings where torques come at other times: with their spikes, since a friction that reverses late
-        looks like one, and without samples at which it reverses then, of which no slope says more. None where there are
-        no such.
+    @property
+    def timed(self) -> tuple[Mapping[str, float], ...]:
+        """The clocks of each part, {what: number}; () where torques come at no other times."""
+        parts = [list(self._of_part(j, self.numbers)) for j in range(len(self.parts))]
+        found = tuple({held.claim.what: number for held, number in part if held.claim.moves} for part in parts)
+        return found if any(found) else ()
+
+    def on_time(self, prepared: Prepared) -> Prepared:
+        """The recordings with the motion of the moments of their torques, and what stands out of these as spikes there:
+        a friction that reverses late looks like one.
         """
-        whole, count = self.now.prepared, len(self.now.prepared.train)
-        if not any(held.claim.moves for held in self.held):
-            return None
-        every = []
-        for item in whole.all:
-            still, times = item.stuck | around_reversals(item.motion.dq), self._times(item, unseen=False)
-            every.append(item.with_spikes().losing(still[item.sample_at(times)] & (times != item.motion.t)[:, None]))
-        return replace(whole, train=tuple(every[:count]), verify=tuple(every[count:]))
+        judged, count = self.beside(self.now.model, prepared).judged_anew(), len(prepared.train)
+        pairs = zip(prepared.all, judged.all, strict=True)
+        every = [item.at_times(self._times(item, unseen=False)).with_spikes(other.spikes) for item, other in pairs]
+        return replace(prepared, train=tuple(every[:count]), verify=tuple(every[count:]))
 
     def applied(self, prepared: Prepared) -> Prepared:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the
@@ -248,8 +252,8 @@ class OwnNumbers:
 
     def without(self, names: Sequence[str]) -> tuple[Belonging, ...]:
         """Statements about the recordings that are not among `names`."""
-        kept = (replace(b, values={n: e for n, e in b.values.items() if n not in names}) for b in self.told)
-        return tuple(b for b in kept if b.values)
+        kept = ((b, {name: e for name, e in b.values.items() if name not in names}) for b in self.told)
+        return tuple(replace(b, values=some, sentence=b.tell(some)) for b, some in kept if some)
 
 
 def _added(seen: Seen, some: Iterable[tuple[Claimed, float]]) -> Float:
@@ -275,7 +279,13 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
     widths = np.array([spread.number(k) for k in range(len(numbers))])
     own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
-    own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
+    if fits.timed:  # there, the numbers are what is left of them
+        groups = [(held.claim, group[0]) for held in state for group in held.groups]
+        known = np.array([fits.timed[j].get(claim.what, 0.0) if claim.moves else 0.0 for claim, j in groups])
+        numbers = numbers + known
+        own = replace(own, numbers=numbers, judged=judged + known)
+    else:
+        own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
     told, at = [], 0
     for held in state:
         many = len(held.groups)
@@ -402,16 +412,25 @@ def _told(
                 spans[name] = part.span(prepared)
     out, mixed = [], fits.mixed_with(claim) if claim.everyone else ()
     for values, spans in told.values():
-        said = {name: _said(values[name], claim.shown) for name in sorted(values)}
         where = "" if place is None else f" at {_said(place)}{_in_space(held.node, spread.width[spread.places[claim]])}"
-        sentence = sentence_on(claim, said, where, _when(spans))
-        ordered = {name: values[name] for name in said}
+        words, when = {name: _said(values[name], claim.shown) for name in sorted(values)}, _when(spans)
+        tell = partial(_sentence, claim, words, where, when, mixed)
+        ordered = {name: values[name] for name in words}
         if mixed:
-            others = " and ".join(f"{number_of(name)} ({called(name.rpartition('.')[0])})" for name in mixed)
-            sentence += f"; only how they differ is known: {others} would do the same"
             ordered = {name: replace(value, low=-np.inf, high=np.inf) for name, value in ordered.items()}
-        out.append(Belonging(claim.what, claim.place, unit, ordered, sentence, place, spans))
+        out.append(Belonging(claim.what, claim.place, unit, ordered, tell(ordered), place, spans, tell))
     return out
+
+
+def _sentence(
+    claim: Claim, words: Mapping[str, str], where: str, when: str, mixed: Sequence[str], values: Mapping[str, Estimate]
+) -> str:
+    """Sentence on some of the `values` of a claim, each told in `words`."""
+    sentence = sentence_on(claim, {name: words[name] for name in values}, where, when)
+    if not mixed:
+        return sentence
+    others = " and ".join(f"{number_of(name)} ({called(name.rpartition('.')[0])})" for name in mixed)
+    return f"{sentence}; only how they differ is known: {others} would do the same"
 
 
 def _in_space(node: Node, width: Float) -> str:

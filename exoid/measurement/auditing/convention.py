@@ -90,9 +90,9 @@ def check_conventions(
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
     which little moves fits many machines: what it says alone must not make the fit of all together worse.
     `weighs` says whether the machine moves under gravity, of one in space under which (3,), in m/s², `forces` what its
-    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly, `others` some
-    of which nobody knows, `likely` options that others of it should be given: they are tried before all readings. Where
-    one of these recordings is better read as it stands, the option is that of the files.
+    measured forces are, None the usual; `beside` are recordings of the same machine that are read rightly, `others`
+    some of which nobody knows, `likely` options that others of it should be given: they are tried before all readings.
+    Where one of these recordings is better read as it stands, the option is that of the files.
     """
     if not all(map(_known, recordings)):
         return ()

@@ -146,15 +146,17 @@ class PreparedRecording:
 
     def at_times(self, t: Float) -> PreparedRecording:
         """Return the recording with the motion that it has at other times `t` (N,) in s: those of its torques, which
-        whoever wrote them to the times of the angles may have interpolated where friction jumps.
+        whoever wrote them to the times of the angles may have interpolated where friction jumps. Of torques before or
+        after the motion nothing is known.
         """
+        beyond = ((t < self.motion.t[0]) | (t > self.motion.t[-1]))[:, None]
         motion, stuck, told = replace(self.at(t), t=self.motion.t), self.stuck[self.sample_at(t)], self.direction
         turning = told and replace(told, velocity=told.velocity[self.sample_at(t)])
-        moved = replace(self, motion=motion, stuck=stuck, hidden=self.hidden | stuck, direction=turning)
+        moved = replace(self, motion=motion, stuck=stuck, hidden=self.hidden | stuck | beyond, direction=turning)
         if self.read is None:
             return moved
         fitted = ~stuck[self.kept].T & ~self.standing[:, None]
-        missing = self.read.missing | (around_reversals(motion.dq) & ~self.standing)
+        missing = self.read.missing | beyond | (around_reversals(motion.dq) & ~self.standing)
         return replace(moved, read=replace(self.read, fitted=fitted, missing=missing)).without(self.spikes)
 
     def sample_at(self, t: Float) -> np.ndarray:
@@ -189,16 +191,9 @@ class PreparedRecording:
         vars(new)["_bridges"] = self._bridges
         return new
 
-    def with_spikes(self) -> PreparedRecording:
-        """Return the recording with no spikes hidden."""
-        return self if self.read is None else self.without(np.zeros(self.hidden.shape, dtype=bool))
-
-    def losing(self, lost: Bool) -> PreparedRecording:
-        """Return the recording with samples (N, J) that are `lost` hidden, too."""
-        if self.read is None or not lost.any():
-            return self
-        read = replace(self.read, missing=self.read.missing | lost, fitted=self.read.fitted & ~lost[self.kept].T)
-        return replace(self, read=read).without(self.spikes)
+    def with_spikes(self, spikes: Bool) -> PreparedRecording:
+        """Return the recording with the samples `spikes` (N, J) hidden in place of its own; itself where it was cut."""
+        return self if self.read is None else self.without(spikes)
 
     @property
     def lost(self) -> Bool:
