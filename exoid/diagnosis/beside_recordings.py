@@ -144,12 +144,18 @@ class _Against:
         told = own.without([entry.recording for entry in rival.left_out])
         least = self.rules.half if len(own.ways) == 1 else self.rules.most
         main = bool(own.ways) and explained_by(self.last, explained) >= least
-        if not told or not _may_replace(self.answer, rival, own, main=main) or not self.is_worth(own, explained):
+        may = told and self._leaves_as_little(rival) and _may_replace(self.answer, rival, own, main=main)
+        if not may or not self.is_worth(own, explained):
             return None
         more = rival.error is not None
         caution = OTHERS_TOO if own.as_many_as(self.rules.half) or (more and len(own.ways) >= WAYS) else ""
         caution += MORE_TOO if more else ""
         return with_own(rival, told, self.base, caution)
+
+    def _leaves_as_little(self, rival: Diagnosis) -> bool:
+        """True if a rival explains the others as well as an answer that leaves recordings out."""
+        left, least = (item.steps[-1].evaluation_rms for item in (rival, self.answer))
+        return not self.answer.left_out or bool(np.all(left <= self.rules.artefact * least))
 
 
 def _statements(answer: Diagnosis) -> int:

@@ -115,7 +115,7 @@ def test_of_a_file_that_is_read_wrongly_the_option_is_told(runs, path):
 
 
 def test_another_machine_is_told_by_its_numbers(runs):
-    found = discover(AXIS, [*runs[:3], drive(3, quadratic=0.4, numbers=NUMBERS * 2.0)], runs[4])
+    found = discover(AXIS, [*runs[:3], drive(3, quadratic=0.4, numbers=NUMBERS * [1.5, 2.5, 2.0, 3.0])], runs[4])
     assert found.verdict == "missing" and "with numbers of its own" in found.sentence
 
 

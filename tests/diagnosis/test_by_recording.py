@@ -236,6 +236,39 @@ def test_another_gain_and_another_level_of_friction():
     assert stiff.verdict == "adequate" and told(stiff) == {"friction_level": pytest.approx({"run_4": 1.5}, abs=0.04)}
 
 
+@pytest.mark.parametrize("gain", [0.1, 0.5, 10.0])
+def test_a_range_that_was_switched_is_a_gain_beside_an_effect_too(gain):
+    """Nothing that takes more numbers is told, though it leaves as little."""
+    model = AXIS.with_effect("viscous_quadratic:axis")
+    runs = [drive(k, [*NUMBERS, 0.4], gain=gain if k == 1 else 1.0, model=model) for k in range(5)]
+    found = discover(AXIS, runs[:4], runs[4])
+    assert [one.name for one in found.accepted] == ["viscous_quadratic:axis"]
+    assert told(found) == {"torque_gain": pytest.approx({"run_1": gain}, rel=0.05)}
+
+
+@pytest.mark.parametrize("seconds", [0.3, -0.7])
+def test_torques_of_a_logger_started_by_hand_are_told_to_the_millisecond(seconds):
+    model = AXIS.with_effect("viscous_quadratic:axis")
+    runs = [drive(k, [*NUMBERS, 0.4], model=model) for k in range(5)]
+    found = discover(AXIS, [runs[0], late(runs[1], seconds), *runs[2:4]], runs[4])
+    assert [one.name for one in found.accepted] == ["viscous_quadratic:axis"] and not found.left_out
+    assert told(found) == {"clock_offset": pytest.approx({"run_1": seconds}, abs=0.003)}
+
+
+def test_of_torques_before_and_after_the_motion_nothing_is_known():
+    (one,) = prepare(AXIS, [drive(0)]).train
+    early, moved = one.motion.t < one.motion.t[0] + 1.0, one.at_times(one.motion.t - 1.0)
+    assert moved.hidden[early].all() and not moved.hidden[~early].all()
+
+
+def test_nothing_is_told_of_a_recording_that_is_left_out():
+    prepared = prepare(AXIS, [drive(k, zero=zero) for k, zero in enumerate((0.9, -0.6, 0.2))])
+    own = belonging_to(fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared))
+    (every,), (some,) = own.told, own.without(["run_1"])
+    assert "run_1" in every.sentence and "run_1" not in some.sentence and set(some.values) == {"run_0", "run_2"}
+    assert own.without(["run_0", "run_1", "run_2"]) == ()
+
+
 @pytest.mark.parametrize(("which", "word"), [(2, "dry friction"), (3, "viscous friction")])
 def test_a_part_of_friction_that_differs_alone_is_called_so(which, word):
     dragging = drive(4, NUMBERS + 0.8 * np.eye(4)[which])

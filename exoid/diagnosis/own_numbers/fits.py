@@ -24,7 +24,7 @@ ALIKE = 1e-9
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
 CLOSER, CLOSE = 12, 3e-3
-"""Times at most where a number bends its columns, as that of a clock does, and the change of it that ends them."""
+"""Times at most where columns bend with numbers, as those of a gain do, and the change of them that ends them."""
 
 
 def seen_before_filter(now: FittedModel, one: PreparedRecording, linear: Float, shape: Float) -> Seen:
@@ -238,7 +238,7 @@ class Fits:
     def weigh(self, state: State) -> Float:
         """Gram matrices (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for."""
         left = [r[:, :, -1] for r in self.rows]
-        most, before = (CLOSER if any(held.claim.moves for held in state) else REWEIGHTED), np.array([np.inf])
+        most, before = (CLOSER if any(held.claim.factor for held in state) else REWEIGHTED), np.array([np.inf])
         for k in range(most if state else 1):
             sigma = pooled_scale([(r, use) for r, use in zip(left, self.use, strict=True)])
             out = []

@@ -4,7 +4,8 @@ Angles and torques are read in every usual way and combination; for each reading
 inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole machine mirrored
 (angles and torques negated) is the same one, so such pairs of readings count as one. A reading is only named where the
 recordings as they stand contradict the pendulum and the other reading fits far better, and where the recordings as they
-stand are not explained better still for part of the time (`in_part.py`): a foot on the ground is no wrong sign.
+stand are not explained better still for part of the time (`in_part.py`), or with late torques: a foot on the ground is
+no wrong sign.
 """
 
 from __future__ import annotations
@@ -33,7 +34,14 @@ from exoid.measurement.auditing.hypotheses import (
     with_ratios,
 )
 from exoid.measurement.auditing.in_part import left_in_part
-from exoid.measurement.auditing.power_left import power_left, quiet_torques, smoothed_groups, undone
+from exoid.measurement.auditing.power_left import (
+    power_left,
+    quiet_torques,
+    shares_left,
+    smoothed_groups,
+    sums_as_they_stand,
+    undone,
+)
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import combined_map, conventions
@@ -59,6 +67,8 @@ GAINS = ((GAIN, TIMES), (SLIGHT_GAIN, SLIGHT_TIMES))
 LEAST = float(min(least for least, _ in GAINS))
 AS_GOOD: Threshold = 1.5
 """times what the best reading leaves, within which the one with the fewest names is named: three errors for one"""
+DELAYS = np.arange(-45, 46) * 1e-2
+"""s by which torques may be late, where a reading is only what these look like."""
 NEAR = 0.09
 """rad from a usual zero, within which that of an encoder is taken for it: what the rough machine lacks moves it."""
 
@@ -109,7 +119,7 @@ def check_conventions(
         asked = [([item], better_reading([item], weighs, forces)) for item in _odd(recordings, smoothed)]
     findings = []
     for some, better in asked:
-        if better is None or _only_in_part(some, better, smoothed(some)):
+        if better is None or _only_in_part(some, better, smoothed(some)) or _late(smoothed(some), better):
             continue
         more = len(every) > len(some)
         read = [_read_so(item, better.reading) if item in some else item for item in every] if more else []
@@ -164,6 +174,12 @@ def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequenc
         return False
     stands = left_in_part(sets, hypothesis((), recordings[0].joints))
     return stands is not None and stands < (left_in_part(_as_in_the_files(recordings, sets), better.reading) or 0.0)
+
+
+def _late(sets: Sequence[Sequence[Smooth]], better: Better) -> bool:
+    """True if torques that are late or early explain as much as the `better` reading does."""
+    left = shares_left(sums_as_they_stand(sets, DELAYS.tolist()), np.eye(len(sets[0][0].joints))[None])
+    return float(left.min()) <= better.then
 
 
 def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:
