@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from synthetic import CUTOFF, recording, search
@@ -10,7 +12,8 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.evidence.library import build_library
-from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.evidence.look_alikes import leaves_joints
+from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.optimisation.preparation.prepare import CutoffChoice, Prepared
 from exoid.symbolic.model import Model
@@ -198,6 +201,21 @@ def test_a_column_of_rounding_has_no_part_in_an_inverse():
     )
 
 
+@pytest.mark.parametrize("part", ["contained", "rounding"])
+def test_what_the_model_contains_has_no_number_and_so_no_sign(part):
+    rng = np.random.default_rng(5)
+    blocks = [block(rng, 150, 4) for _ in range(4)]
+    evidence = Evidence(blocks, (), seed=0, draws=0)
+    new = [rng.normal(size=(2, 150)) for _ in blocks]
+    also = [2.0 * b.columns[:, :, 1] if part == "contained" else 1e-12 * rng.normal(size=(2, 150)) for b in blocks]
+    columns = [Columns((0, 1), np.stack([x, y], axis=2)[None]) for x, y in zip(new, also, strict=True)]
+    alone = [Columns((0, 1), x[None, :, :, None]) for x in new]
+    both, step = evidence.fitted(evidence.plain(columns))
+    own, wanted = evidence.fitted(evidence.plain(alone))
+    assert both[1] == 0.0 and both[0] == pytest.approx(own[0], rel=1e-6)
+    np.testing.assert_allclose(step, wanted, rtol=1e-5, atol=1e-9)
+
+
 def test_the_middle_of_a_spring_is_tried_where_the_joint_gets_to_and_beyond():
     """The grid of a range of 4 rad is too coarse for a joint that moves by a fraction of it."""
     context = search({}, ["hardening_spring:knee"])
@@ -206,3 +224,16 @@ def test_the_middle_of_a_spring_is_tried_where_the_joint_gets_to_and_beyond():
     for level in np.linspace(0.05, 0.95, 19):
         assert np.abs(nodes - np.quantile(path, level)).min() < 0.03 * np.ptp(path)
     assert nodes.min() == -2.0 and nodes.max() == 2.0
+
+
+def test_a_look_alike_takes_as_much_off_the_error_of_the_same_joints():
+    """A rotor of one wrist is no look-alike of that of another, though both lower the error of the whole arm alike."""
+    rng = np.random.default_rng(3)
+    without = 10.0 + rng.random((2, 40))
+    own = without - np.array([[2.0], [0.0]])
+    at_knee, at_both = without - np.array([[0.0], [2.0]]), without - np.array([[1.8], [0.1]])
+    candidates = build_library(Model.standard(), [recording("run", 0, {})]).candidates
+    (hip,) = (candidate for candidate in candidates if candidate.name == "stribeck:hip")
+    assert leaves_joints(at_knee, own, without, hip, RULES)
+    assert not leaves_joints(at_both, own, without, hip, replace(RULES, clear=1e9))
+    assert not leaves_joints(own, own, without, hip, RULES)
