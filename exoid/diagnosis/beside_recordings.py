@@ -40,7 +40,9 @@ MORE_TOO = " More than noise is left beside that: such numbers may also stand fo
 def answer_beside_recordings(
     asking: Asking, base: FittedModel, answer: Diagnosis, recordings: Sequence[Recording], verify: Sequence[Recording]
 ) -> Diagnosis | None:
-    """Return an answer beside what belongs to recordings; None where that does not predict clearly better."""
+    """Return an answer beside what belongs to recordings, of several that leave about the noise the one with the fewest
+    numbers; None where none predicts clearly better.
+    """
     doubted, answer = answer.inside is not None, answer.inside or answer
     whole = fitted_on(answer.fit, base.prepared)
     against = _Against(asking, base, answer, _common(whole, _names(answer)), whole)
@@ -159,8 +161,8 @@ class _Against:
 
 
 def _statements(answer: Diagnosis) -> int:
-    """Count of what an answer names, of recordings and of the machine."""
-    return len(answer.of_recordings) + len(answer.accepted)
+    """Count of what an answer names: the kinds of what belongs to recordings, and the effects of the machine."""
+    return len({statement.what for statement in answer.of_recordings}) + len(answer.accepted)
 
 
 def _numbers(answer: Diagnosis) -> int:

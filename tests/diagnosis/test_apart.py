@@ -11,12 +11,14 @@ from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.apart import left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.rules import RULES
+from exoid.measurement.auditing.audit import audit
 from exoid.measurement.recording import Recording, Source
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
+from tests.made_recordings import recording
 
 AXIS = Model("drive", joints=(Joint("axis"),))
 WITH = AXIS.with_effect("viscous_quadratic:axis")
@@ -112,6 +114,14 @@ def test_of_a_file_that_is_read_wrongly_the_option_is_told(runs, path):
     wrong = replace(turned(runs[1]), source=Source(path=path))
     found = discover(AXIS, [runs[0], wrong, *runs[2:4]], runs[4])
     assert f"--convention {path.rpartition('/')[2] or 'run_1'}=axis-torque-negated" in found.sentence
+
+
+def test_of_a_file_in_another_unit_the_unit_is_told():
+    legs = [recording(k) for k in range(5)]
+    large = replace(legs[1], tau=1e3 * legs[1].tau)
+    found = discover(Model.standard(), [legs[0], large.with_findings(audit(large)), *legs[2:4]], legs[4])
+    (out,) = found.left_out
+    assert out.recording == large.name and "it looks like mN·m (write the unit into the header" in out.sentence
 
 
 def test_another_machine_is_told_by_its_numbers(runs):

@@ -21,6 +21,7 @@ from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import index_of_least
+from exoid.measurement.auditing.checks.units import CHECK as UNITS
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -96,6 +97,10 @@ def _why(
     read = next((f for f in base.prepared.misread if _is_of(f, one.name)), None)
     if read is not None:
         return f"; {read.what} ({read.remedy})"
+    warned = (f for f in base.prepared.findings if f.check == UNITS and f.severity == "warning")
+    unit = next((finding for finding in warned if _is_of(finding, one.name)), None)
+    if unit is not None:
+        return f"; {unit.what} (write the unit into the header of that file)"
     if alone is None:
         return ""
     if share < 1.0 - rules.little:
@@ -140,7 +145,8 @@ def _left_by(base: FittedModel, found: Fit, odd: Sequence[int]) -> Float:
 
 
 def _is_of(finding: Finding, name: str) -> bool:
-    return f"/{PurePath(finding.where).with_suffix('')}".endswith(f"/{name}") or finding.where == name
+    file = finding.where.partition(", ")[0]
+    return f"/{PurePath(file).with_suffix('')}".endswith(f"/{name}") or file == name
 
 
 def _plain(own: Float, others: Float, rules: Rules) -> NDArray[np.bool_]:

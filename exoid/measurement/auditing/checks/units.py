@@ -10,6 +10,8 @@ from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
 
+CHECK = "units"
+"""What these findings are called."""
 TURNS: Threshold = 4 * np.pi
 """rad: a link that swings right over (2π and a little more) would be taken for degrees"""
 EACH: Threshold = np.pi
@@ -72,4 +74,4 @@ def _too_small(recording: Recording) -> list[Finding]:
 
 def _finding(recording: Recording, column: str, what: str, value: float, limit: float, option: str) -> Finding:
     where, remedy = place(recording, column), f"say so with {option}, or write the unit into the header"
-    return Finding("units", "warning", what, where, value, limit, remedy, "every parameter is wrong", "likely")
+    return Finding(CHECK, "warning", what, where, value, limit, remedy, "every parameter is wrong", "likely")
