@@ -10,7 +10,7 @@ from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 BOUNDS = (-0.95, 19.0)
-"""By what a gain is larger than the others': a switched range is ten times another, a half bridge half of a full one"""
+"""By what a gain is larger than the others': a switched range is ten times another, a half bridge tells half."""
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
 from exoid.diagnosis.own_numbers.compared import falls_clearly, total
-from exoid.diagnosis.own_numbers.state import Claimed, Cuts, State, parts_of, state_columns
+from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State, parts_of, state_columns
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
@@ -55,15 +55,13 @@ class Fits:
     the model lacks or not: what differs is told from there), the pieces of all claims, and the residual. Where
     recordings are cut, a zero may also begin at the cut. What multiplies a torque of the model does so at the `linear`
     numbers (P,), which every weighing finds anew: another gain of half the recordings spoils those of the model given.
-    The motion of each part may be `timed` by clocks, {what: number}, that are known already.
+    `parts` are those at the cuts whose motion is timed by clocks that are known already.
     """
 
-    def __init__(
-        self, now: FittedModel, rules: Rules, cuts: Cuts, timed: Sequence[Mapping[str, float]] = ()
-    ) -> None:
+    def __init__(self, now: FittedModel, rules: Rules, cuts: Cuts, parts: Sequence[Part] = ()) -> None:
         evidence = now.evidence(seed=0, draws=0, rules=rules)
-        self.now, self.rules, self.blocks, self.cuts, self.timed = now, rules, evidence.blocks, cuts, timed
-        self.parts = parts_of(self.blocks, cuts)
+        self.now, self.rules, self.blocks, self.cuts = now, rules, evidence.blocks, cuts
+        self.parts = tuple(parts) or parts_of(self.blocks, cuts)
         self.linear = now.linear
         self.torques = [now.torque(k) for k in range(len(self.blocks))]
         for k, recording in enumerate(now.prepared.all):

@@ -57,10 +57,9 @@ def belonging_to(
             held = _Search(fits).placed(fits.moved(in_parts, then))
     own = with_numbers(fits, held) if held else None
     for _ in range(TIMED):
-        if own is None or not own.timed:
+        if own is None or not (timed := own.timed):
             break
-        known, fits = fits, Fits(now.on(own.on_time(now.prepared)), rules, fits.cuts, own.timed)
-        fits.parts = own.parts
+        known, fits = fits, Fits(now.on(own.on_time(now.prepared)), rules, fits.cuts, timed)
         own = with_numbers(fits, placed(fits, fits.moved(known, own.held)))
     while own is not None and (clear := own.clear) != own.held:
         own = with_numbers(fits, clear) if clear else None

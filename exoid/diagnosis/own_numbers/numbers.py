@@ -141,17 +141,19 @@ class OwnNumbers:
         return fitted_model(identify(model, without.train, optimisers=()), without)
 
     @property
-    def timed(self) -> tuple[Mapping[str, float], ...]:
-        """The clocks of each part, {what: number}; () where torques come at no other times."""
-        parts = [list(self._of_part(j, self.numbers)) for j in range(len(self.parts))]
-        found = tuple({held.claim.what: number for held, number in part if held.claim.moves} for part in parts)
-        return found if any(found) else ()
+    def timed(self) -> tuple[Part, ...]:
+        """The parts with their clocks; () where torques come at no other times."""
+        each = [list(self._of_part(j, self.numbers)) for j in range(len(self.parts))]
+        clocks = [{held.claim.what: number for held, number in own if held.claim.moves} for own in each]
+        pairs = zip(self.parts, clocks, strict=True)
+        return tuple(replace(part, clocks=own) for part, own in pairs) if any(clocks) else ()
 
     def on_time(self, prepared: Prepared) -> Prepared:
         """The recordings with the motion of the moments of their torques, and what stands out of these as spikes there:
         a friction that reverses late looks like one.
         """
-        judged, count = self.beside(self.now.model, prepared).judged_anew(), len(prepared.train)
+        found = replace(self.now, fit=replace(self.now.fit, linear=self.linear))
+        judged, count = found.on(self.applied(prepared)).judged_anew(), len(prepared.train)
         pairs = zip(prepared.all, judged.all, strict=True)
         every = [item.at_times(self._times(item, unseen=False)).with_spikes(other.spikes) for item, other in pairs]
         return replace(prepared, train=tuple(every[:count]), verify=tuple(every[count:]))
@@ -279,9 +281,9 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
     widths = np.array([spread.number(k) for k in range(len(numbers))])
     own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
-    if fits.timed:  # there, the numbers are what is left of them
-        groups = [(held.claim, group[0]) for held in state for group in held.groups]
-        known = np.array([fits.timed[j].get(claim.what, 0.0) if claim.moves else 0.0 for claim, j in groups])
+    if any(part.clocks for part in fits.parts):  # there, the numbers are what is left of them
+        groups = [(held.claim, fits.parts[group[0]].clocks) for held in state for group in held.groups]
+        known = np.array([clocks.get(claim.what, 0.0) if claim.moves else 0.0 for claim, clocks in groups])
         numbers = numbers + known
         own = replace(own, numbers=numbers, judged=judged + known)
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -89,7 +89,8 @@ def state_columns(now: FittedModel) -> tuple[StateColumn, ...]:
 @dataclass(frozen=True)
 class Part:
     """The kept samples `start` to `stop` of a recording (index): the whole of it, or what is before or after a cut,
-    which is at the time `cut` s where that is known better than to a kept sample.
+    which is at the time `cut` s where that is known better than to a kept sample. Its motion may be that of the moments
+    of its torques, by `clocks` {what: number}.
     """
 
     recording: int
@@ -97,6 +98,7 @@ class Part:
     stop: int
     samples: int
     cut: float | None = None
+    clocks: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
     def kept(self) -> slice:
