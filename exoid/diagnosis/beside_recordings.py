@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_on
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_on, refitted, shapes_from
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.machine_answer import Asking, answer_of_machine
 from exoid.diagnosis.own_numbers.bound import least_left
@@ -23,9 +23,7 @@ from exoid.diagnosis.write_up import with_own
 from exoid.ground.progress import silent
 from exoid.ground.ties import ascending, least_of
 from exoid.measurement.recording import Recording
-from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
-from exoid.symbolic.model import Model
 
 ROUNDS = 2
 """Times that what belongs to recordings is looked for beside what was found with it."""
@@ -115,14 +113,14 @@ class _Against:
             return
         alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules, ways=self.ways)
         for own in dict.fromkeys((alone, found)):
-            if own is not None and self.is_worth(own, own.beside(self.last.model, self.given)):
+            if own is not None and self.is_worth(own, own.beside(self.last, self.given)):
                 yield own, self.ways
         for left, machine in ascending(self.bounds[1:] if self.near else (), lambda pair: pair[0], 1.0):
             own = _belonging_beside(machine, self.rules) if left <= self.rules.near_noise else None
-            if own is not None and is_near_noise(own.beside(machine.model, self.given), self.rules):
+            if own is not None and is_near_noise(own.beside(machine, self.given), self.rules):
                 yield own, self.ways
         zeros = _belonging_beside(self.last, self.rules, ways=0) if self.near and self.ways > 1 else None
-        if zeros is not None and self.is_worth(zeros, zeros.beside(self.last.model, self.given)):
+        if zeros is not None and self.is_worth(zeros, zeros.beside(self.last, self.given)):
             yield zeros, 0
 
     def is_worth(self, own: OwnNumbers, beside: FittedModel) -> bool:
@@ -134,7 +132,7 @@ class _Against:
             return False
         return predicts_better(self.last, beside, self.rules, own.cuts) and all(
             alone < self.rules.most * share
-            or predicts_better(machine, own.beside(machine.model, self.given), self.rules, own.cuts)
+            or predicts_better(machine, own.beside(machine, self.given), self.rules, own.cuts)
             for alone, machine in self.machines
         )
 
@@ -179,14 +177,9 @@ def _common(whole: FittedModel, found: Collection[str]) -> FittedModel:
     """
     kept = [term for term in whole.model.terms if term.name not in found or not term.effect.has_own_numbers]
     terms = tuple(replace(term, own_places=term.own_places and term.name not in found) for term in kept)
-    return whole if terms == whole.model.terms else _refitted(replace(whole.model, terms=terms), whole)
-
-
-def _refitted(model: Model, whole: FittedModel) -> FittedModel:
-    """Return a model with fewer numbers than a `whole` one, fitted from where that is."""
-    known = dict(zip((entry.name for entry in whole.model.shapes), np.median(whole.fit.shapes, axis=0), strict=True))
-    start = np.array([known[entry.name] for entry in model.shapes]) if model.shapes else None
-    return fitted_on(identify(model, whole.prepared.train, optimisers=(), start=start), whole.prepared)
+    if terms == whole.model.terms:
+        return whole
+    return refitted(replace(whole.model, terms=terms), whole, whole.prepared)
 
 
 def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: bool) -> bool:
@@ -246,7 +239,7 @@ def _belonging_beside(
     own = belonging_to(last, rules, changed, ways)
     if own is None or not own.needless:
         return own
-    without = belonging_to(_refitted(last.model.without(*own.needless), last), rules, changed, ways)
+    without = belonging_to(refitted(last.model.without(*own.needless), last, last.prepared), rules, changed, ways)
     return without and replace(without, needless=own.needless)
 
 
@@ -258,7 +251,7 @@ def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> I
     given, least = last.prepared, question.rules.worth_telling
     everything = replace(given, train=given.all, verify=())
     context = question.context(everything, everything, silent)
-    start = context.fit(last.model)
+    start = context.fit(last.model, shapes_from(last, last.model, len(given.all)))
     yield fitted_on(start.fitted.fit, given)
     names = [term.name for term in last.model.terms]
     near = [suspect for suspect in answer.suspects if suspect.name not in names and suspect.explained_share >= least]

@@ -48,7 +48,7 @@ def _own_numbers(fitted: FittedModel, rules: Rules) -> tuple[Finding, ...]:
     """
     if is_near_noise(fitted, rules) or (own := belonging_to(fitted, rules)) is None:
         return ()
-    beside = own.beside(fitted.model, fitted.prepared)
+    beside = own.beside(fitted, fitted.prepared)
     if not is_near_noise(beside, rules) or not predicts_better(fitted, beside, rules):
         return ()
     remedy = "`exoid discover` takes it into account"

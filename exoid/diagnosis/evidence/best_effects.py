@@ -57,4 +57,4 @@ def may_be_explained(base: FittedModel, rules: Rules) -> bool:
     if is_near_noise(last, rules):
         return True
     own = belonging_to(last, rules)
-    return own is not None and is_near_noise(own.beside(last.model, base.prepared), rules)
+    return own is not None and is_near_noise(own.beside(last, base.prepared), rules)

@@ -15,6 +15,7 @@ import numpy as np
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.fitting.local_shape import own_of_halves, own_shapes, shapes_for
 from exoid.optimisation.fitting.shapes import slope_by_shape
 from exoid.optimisation.linear.loss import huber, huber_terms
@@ -221,6 +222,25 @@ def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
 def fitted_on(fit: Fit, prepared: Prepared) -> FittedModel:
     """Return a model on all recordings, whichever of them it was fitted to."""
     return fitted_model(fit_as_of(fit, prepared), prepared)
+
+
+def refitted(model: Model, known: FittedModel, prepared: Prepared) -> FittedModel:
+    """Return a model on other versions of the recordings of a `known` one, whose terms it has or fewer, fitted from the
+    shape values of that.
+    """
+    fit = identify(model, prepared.train, optimisers=(), start=shapes_from(known, model, len(prepared.train)))
+    return fitted_model(fit, prepared)
+
+
+def shapes_from(known: FittedModel, model: Model, count: int) -> Float | None:
+    """Return the shape values of a `known` model that another one has, too: (S,), or (R, S) of the first `count`
+    recordings where these have some of their own; None where it has none.
+    """
+    places = {entry.name: k for k, entry in enumerate(known.model.shapes)}
+    shapes = known.shapes[:count, [places[entry.name] for entry in model.shapes]]
+    if not model.shapes:
+        return None
+    return shapes if own_shapes(model) else np.median(shapes, axis=0)
 
 
 def fit_as_of(fit: Fit, prepared: Prepared) -> Fit:

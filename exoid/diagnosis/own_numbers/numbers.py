@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from exoid.diagnosis.evidence.apart import Apart
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel, refitted
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Node, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
@@ -19,12 +19,10 @@ from exoid.diagnosis.rules import Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import least_of
-from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.linear.uncertainty import covariance, critical_value
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
-from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.wording import called, number_of
@@ -135,10 +133,9 @@ class OwnNumbers:
         """True if recordings differ in several ways, as many as `part` of a machine's numbers."""
         return len(self.ways) > 1 and sum(held.count for held in self.ways) >= part * self.now.model.friction.stop
 
-    def beside(self, model: Model, prepared: Prepared) -> FittedModel:
+    def beside(self, known: FittedModel, prepared: Prepared) -> FittedModel:
         """A model on the recordings without the torque that belongs to them alone, fitted to these."""
-        without = self.applied(prepared)
-        return fitted_model(identify(model, without.train, optimisers=()), without)
+        return refitted(known.model, known, self.applied(prepared))
 
     @property
     def timed(self) -> tuple[Part, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pay
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pay, shapes_from
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import columns_at, refine
@@ -119,12 +119,9 @@ class SearchContext:
 
     def without(self, extension: Extension, scores: Sequence[Score]) -> Extension:
         """Return the model of `extension` without the terms of `scores`, refitted."""
-        names = {score.name for score in scores}
-        whole = extension.fitted.model
-        model, keep = whole.without(*names), [i for i, s in enumerate(whole.shapes) if s.term not in names]
-        shapes = np.asarray(extension.fitted.fit.shapes)[:, keep]
-        start = shapes if any(s.shape.per_recording for s in model.shapes) else shapes[0]
-        return self.fit(model, start if model.shapes else None)
+        known = extension.fitted
+        model = known.model.without(*(score.name for score in scores))
+        return self.fit(model, shapes_from(known, model, len(self.prepared.train)))
 
     def replay(self, state: State, names: Sequence[str]) -> State:
         """Return the state again with only the terms in `names`, the one that helps most at each step first.
