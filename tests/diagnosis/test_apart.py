@@ -124,6 +124,11 @@ def test_of_a_file_in_another_unit_the_unit_is_told():
     assert out.recording == large.name and "it looks like mN·m (write the unit into the header" in out.sentence
 
 
+def test_torques_that_are_all_many_times_too_large_are_of_another_unit(runs):
+    found = discover(AXIS, [runs[0], replace(runs[1], tau=1e3 * runs[1].tau), *runs[2:4]], runs[4])
+    assert "its torques are 1000 times as large as they should be: another unit or gain" in found.sentence
+
+
 def test_another_machine_is_told_by_its_numbers(runs):
     found = discover(AXIS, [*runs[:3], drive(3, quadratic=0.4, numbers=NUMBERS * [1.5, 2.5, 2.0, 3.0])], runs[4])
     assert found.verdict == "missing" and "with numbers of its own" in found.sentence

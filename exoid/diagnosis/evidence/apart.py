@@ -20,6 +20,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
 from exoid.ground.plain import AsJson
+from exoid.ground.text import digits
 from exoid.ground.ties import index_of_least
 from exoid.measurement.auditing.checks.units import CHECK as UNITS
 from exoid.measurement.finding import Finding
@@ -69,11 +70,13 @@ def left_out(
     """Those of the recordings `odd` (indices) that the model found for the others does not explain either, with the
     reason to leave them out; and the share that numbers of their own explain, of the one of which that is least.
     """
-    left, power = _left_by(base, found, odd), _power(base)
+    judged, power = _judged(base, found, odd), _power(base)
+    left, first = _shares(judged), len(base.prepared.all) - len(odd)
     out: dict[int, Apart] = {}
     least = 1.0
-    others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
-    for k, own in zip(odd, left[-len(odd) :], strict=True):
+    others = np.nan_to_num(left[:first]).max(axis=0)
+    for index, k in enumerate(odd, first):
+        own = left[index]
         plain = _plain(own, others, rules)
         if not plain.any():
             continue
@@ -86,29 +89,42 @@ def left_out(
         recording = base.prepared.all[k]
         alone, share = _alone(base, found, recording, float(np.nansum(own)))
         text = f"{recording.name} is left out: what explains the others leaves {errors}"
-        text += _why(base, found, recording, alone, share, rules)
+        text += _why(judged, index, alone, share, rules)
         out[k], least = Apart(recording.name, text), min(least, share)
     return out, least
 
 
-def _why(
-    base: FittedModel, found: Fit, one: PreparedRecording, alone: Fit | None, share: float, rules: Rules
-) -> str:
-    read = next((f for f in base.prepared.misread if _is_of(f, one.name)), None)
+def _why(judged: FittedModel, index: int, alone: Fit | None, share: float, rules: Rules) -> str:
+    prepared, name = judged.prepared, judged.prepared.all[index].name
+    read = next((f for f in prepared.misread if _is_of(f, name)), None)
     if read is not None:
         return f"; {read.what} ({read.remedy})"
-    warned = (f for f in base.prepared.findings if f.check == UNITS and f.severity == "warning")
-    unit = next((finding for finding in warned if _is_of(finding, one.name)), None)
+    warned = (f for f in prepared.findings if f.check == UNITS and f.severity == "warning")
+    unit = next((finding for finding in warned if _is_of(finding, name)), None)
     if unit is not None:
         return f"; {unit.what} (write the unit into the header of that file)"
+    if (times := _times(judged, index, rules)) is not None:
+        remedy = "write the unit into the header of that file"
+        return f"; its torques are {digits(times, 3)} times as large as they should be: another unit or gain ({remedy})"
     if alone is None:
         return ""
     if share < 1.0 - rules.little:
         return ", and fitted alone it is not explained either: look at its columns and sensors"
-    moved = ", ".join(moved_numbers(found, alone)[:4])
+    moved = ", ".join(moved_numbers(judged.fit, alone)[:4])
     numbers = f" ({moved})" if moved else ""
     text = f", and fitted alone it is explained, with numbers of its own{numbers}"
     return f"{text}: another machine, a load (--payload) or gain of a sensor"
+
+
+def _times(judged: FittedModel, index: int, rules: Rules) -> float | None:
+    """Return how many times the torques of a recording are those of a model, all of them alike; None where that leaves
+    more than a part worth telling.
+    """
+    recording = judged.prepared.all[index]
+    wanted, torque = judged.torque(index)[recording.used], recording.torque[recording.used]
+    power, common = float(wanted @ wanted), float(wanted @ torque)
+    left = float(torque @ torque) - common**2 / power
+    return common / power if left <= rules.negligible * float(torque @ torque) else None
 
 
 def _alone(base: FittedModel, found: Fit, one: PreparedRecording, whole: float) -> tuple[Fit | None, float]:
@@ -133,15 +149,11 @@ def moved_numbers(first: Fit, second: Fit) -> list[str]:
     ]
 
 
-def _left_by(base: FittedModel, found: Fit, odd: Sequence[int]) -> Float:
-    """Shares (R, J) of the torques that a model found without the recordings `odd` leaves of the others, and of these,
-    which come last.
-    """
+def _judged(base: FittedModel, found: Fit, odd: Sequence[int]) -> FittedModel:
+    """Return a model found without the recordings `odd` on the others and on these, which come last."""
     count, every = len(base.prepared.train), base.prepared.all
     train, held = ([every[k] for k in part if k not in odd] for part in (range(count), range(count, len(every))))
-    return _shares(
-        fitted_model(found, replace(base.prepared, train=tuple(train), verify=(*held, *(every[k] for k in odd))))
-    )
+    return fitted_model(found, replace(base.prepared, train=tuple(train), verify=(*held, *(every[k] for k in odd))))
 
 
 def _is_of(finding: Finding, name: str) -> bool:

@@ -1,4 +1,7 @@
-"""The torque sensor's zero is set anew before each recording."""
+"""The torque sensor's zero is set anew before each recording.
+
+Of a joint that weighs, or hangs on a spring, the zero of its encoder shifts the torque by nearly a constant, too.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +24,9 @@ def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
 
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the zeros {recording: words}."""
+    another = f"{claim.place} torque sensor (or its encoder) has another zero"
     if when:
-        return f"{than_usual(f'{claim.place} torque sensor has another zero', when)}: {each_said(values)}"
+        return f"{than_usual(another, when)}: {each_said(values)}"
     if len(values) > 1 and len(set(values.values())) == 1:
         return f"The zero of the {claim.place} torque sensor is {next(iter(values.values()))} in all recordings"
-    return f"The {claim.place} torque sensor has another zero in each recording: {each_said(values)}"
+    return f"The {another} in each recording: {each_said(values)}"
