@@ -459,4 +459,4 @@ def _said(one: Estimate, shown: tuple[float, str] | None = None) -> str:
     value, half = times * one.value, 0.5 * times * (one.high - one.low)
     digits = max(0, 1 - int(np.floor(np.log10(half)))) if half > 0.0 and np.isfinite(half) else 3
     unit = "" if called == "1" else f" {called}"
-    return f"{value:.{digits}f} ± {half:.2g}{unit}"
+    return f"{value:.{digits}f} ± {half:.{digits}f}{unit}"
