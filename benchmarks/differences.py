@@ -4,10 +4,10 @@
 
 Chains of one to three joints by Newton and Euler (the arena's plant of equations), four runs of 20 s, of which one is
 held out at random. Each set has one difference by turns: torque zeros, a load, a gain, a level of friction, friction
-that goes with a logged temperature, a late or fast clock, a load or a zero from a moment on. With `--effects` an effect
-of the catalogue is hidden beside it; with `--same` only torque zeros, or nothing, differ. Right is an answer that tells
-this difference, the hidden effect and nothing more. With `--mujoco` the runs are of MuJoCo's leg (`mujoco_leg.py`),
-in which a rotor or a tendon is hidden and nothing has a temperature.
+that goes with a logged temperature, a late or fast clock, a load or a zero from a moment on, the zero of an encoder.
+With `--effects` an effect of the catalogue is hidden beside it; with `--same` only torque zeros, or nothing, differ.
+Right is an answer that tells this difference, the hidden effect and nothing more. With `--mujoco` the runs are of
+MuJoCo's leg (`mujoco_leg.py`), in which a rotor or a tendon is hidden and nothing has a temperature.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ RATE, SECONDS, RUNS = 100.0, 20.0, 4
 T = np.arange(round(SECONDS * RATE)) / RATE
 KINDS = (
     "zeros", "load", "gain", "friction", "temperature", "late clock", "fast clock", "load from then on",
-    "zero from then on",
+    "zero from then on", "encoder",
 )  # fmt: skip
 MOMENT = 0.1
 """Seconds to which a moment has to be told."""
@@ -64,7 +64,7 @@ class Machine:
 class Run:
     """Numbers of one run from the time `since` s on: zeros (J,), gains (J,), frictions (J,) in parts of the usual, a
     load in kg on its last link; and how `late` s and `fast` the clock of its torques is. `warm` (N, J) is the part by
-    which friction is less, since the joint is warm.
+    which friction is less, since the joint is warm, `angle` (J,) by how many rad its joints stand further than is read.
     """
 
     zero: Float
@@ -75,6 +75,7 @@ class Run:
     fast: float = 0.0
     since: float = 0.0
     warm: Float = field(default_factory=lambda: np.zeros(1))
+    angle: Float = field(default_factory=lambda: np.zeros(1))
 
 
 @dataclass(frozen=True)
@@ -200,9 +201,12 @@ def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[li
         "load": ("load", ("carried_load", last), float(rng.uniform(0.3, 1.0) * machine.links.mass[-1])),
         "gain": ("gain", ("torque_gain", name), float(np.exp(sign * rng.uniform(0.1, 0.35)))),
         "friction": ("friction", ("friction_level", name), float(np.exp(sign * rng.uniform(0.25, 0.6)))),
+        "encoder": ("angle", ("encoder_zero", name), sign * float(rng.uniform(0.05, 0.2))),
         "late clock": ("late", ("clock_offset", None), float(rng.uniform(0.008, 0.025))),
     }[kind]
-    own = 1.0 + (value - 1.0) * unit if change in ("gain", "friction") else value
+    own = {"gain": 1.0 + (value - 1.0) * unit, "friction": 1.0 + (value - 1.0) * unit, "angle": value * unit}.get(
+        change, value
+    )
     which = which if kind == "load" else which[:1]  # of two and two nobody knows which are usual
     for k in which:
         runs[k] = replace(usual, **{change: own})
@@ -225,7 +229,7 @@ def drawn(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[Recording]
         tau = torque_of(machine, motion((T - run.late) * (1.0 + run.fast)), run, hidden)
         far = np.where(rng.random(tau.shape) < 0.02, 12.0 * rng.standard_normal(tau.shape), 0.0)
         tau += machine.noise * (rng.standard_normal(tau.shape) + far)
-        q = np.round(motion(T).q / 1e-4) * 1e-4
+        q = np.round((motion(T).q - run.angle) / 1e-4) * 1e-4
         logged = {}
         if kind == "temperature":
             at, warm = truth[0].joint, run.warm.sum(axis=1)  # of one joint: the others' are zero
@@ -257,7 +261,7 @@ def drawn_in_mujoco(seed: int, kind: str, *, effect: bool) -> tuple[Model, list[
         q = np.where(there, own.q[: len(T)], usual.q[: len(T)])
         before, after = (np.column_stack([np.interp(at, each.t, x) for x in each.tau.T]) for each in (usual, own))
         tau = np.where(there, after * run.gain + run.zero, before)
-        q = q + mujoco_leg.ENCODER_NOISE * rng.standard_normal(q.shape)
+        q = q - run.angle + mujoco_leg.ENCODER_NOISE * rng.standard_normal(q.shape)
         tau = tau + mujoco_leg.TORQUE_NOISE * rng.standard_normal(q.shape)
         recordings.append(Recording(f"run_{k}", T, q, tau))
     return Model.standard(), recordings, truth, hidden

@@ -50,7 +50,7 @@ def answer_beside_recordings(
         rival = against.answer_beside(own, ways, recordings, verify)
         if rival is not None:
             (far if _leaves_more(rival) else near).append(rival)
-        if near and _statements(near[-1]) <= PLAIN:
+        if near and _statements(near[-1], len(base.prepared.all)) <= PLAIN:
             break
     if near:
         return least_of(near, _numbers)
@@ -158,9 +158,11 @@ class _Against:
         return not self.answer.left_out or bool(np.all(left <= self.rules.artefact * least))
 
 
-def _statements(answer: Diagnosis) -> int:
-    """Count of what an answer names: the kinds of what belongs to recordings, and the effects of the machine."""
-    return len({statement.what for statement in answer.of_recordings}) + len(answer.accepted)
+def _statements(answer: Diagnosis, many: int) -> int:
+    """Count of what an answer names: effects, what each of so `many` recordings has, and each number of only some."""
+    own = answer.of_recordings
+    some = {(s.what, s.joint, e.value) for s in own if len(s.values) < many for e in s.values.values()}
+    return len({s.what for s in own if len(s.values) == many}) + len(some) + len(answer.accepted)
 
 
 def _numbers(answer: Diagnosis) -> int:

@@ -10,7 +10,7 @@ import pytest
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.hypotheses import Seen, claims_of
-from exoid.diagnosis.own_numbers.fits import Fits
+from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import with_numbers
 from exoid.diagnosis.own_numbers.state import Claimed
@@ -621,3 +621,31 @@ def test_a_delay_that_all_recordings_have_is_the_machines():
     runs = [late(drive(k), 0.02) for k in range(4)]
     found = discover(AXIS, runs[:3], runs[3])
     assert [one.effect for one in found.accepted] == ["time_delay"] and not found.of_recordings
+
+
+@pytest.mark.parametrize("held", [0, 3])
+def test_an_encoder_that_was_zeroed_elsewhere_is_told_beside_an_effect_of_its_angle(held):
+    runs = [drive(k) for k in range(4)]
+    runs = [replace(one, tau=one.tau + 0.6 * np.sin(12.0 * swing(k, one.t)[0])) for k, one in enumerate(runs)]
+    runs[0] = replace(runs[0], q=runs[0].q - 0.15)
+    found = discover(AXIS, [*runs[:held], *runs[held + 1 :]], runs[held])
+    assert [effect.name for effect in found.accepted] == ["torque_ripple:axis"]
+    assert told(found) == {"encoder_zero": pytest.approx({"run_0": 0.15}, abs=0.01)}
+
+
+def test_an_encoder_of_a_leg_is_no_zero_of_two_torque_sensors():
+    """The shank weighs on both joints."""
+    runs = [one.recording for one in simulate_runs(4, None, standard_leg(), seed=3)]
+    runs[2] = replace(runs[2], q=runs[2].q - np.array([0.0, 0.1]))
+    found = discover(Model.standard(), runs[:3], runs[3])
+    assert found.verdict == "adequate"
+    assert told(found) == {"encoder_zero": pytest.approx({"run_2": 0.1}, abs=0.01)}
+
+
+def test_a_torque_of_another_angle_changes_so_with_that():
+    one = prepare(AXIS, [drive(0)]).train[0]
+    now = fitted_model(identify(AXIS, (one,), optimisers=()), prepare(AXIS, [drive(0)]))
+    seen = seen_before_filter(now, one, now.linear, now.shape)
+    (claim,) = (item for item in claims_of(AXIS) if item.what == "encoder_zero")
+    expected = AXIS.gravity * now.linear[1] * np.cos(one.motion.q[:, 0])
+    assert claim.pieces(seen)[0, :, 0] == pytest.approx(expected, abs=1e-5)

@@ -94,7 +94,7 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
     """
     model, every = fitted.model, fitted.prepared.all
     claims = claims or claims_of(model, driven_joints(every))
-    found = [_claimed(claim) for claim in claims if claim.place and not (claim.common or claim.of)]
+    found = [_claimed(claim) for claim in claims if claim.place and not (claim.common or claim.of or claim.of_motion)]
     names = [*((p.name, p.unit) for p in model.parameters), *((s.name, s.shape.unit) for s in model.shapes)]
     choices = [False] * len(model.parameters) + [bool(s.shape.choices) for s in model.shapes]
     for k, (name, unit) in enumerate(names):

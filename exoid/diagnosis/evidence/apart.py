@@ -117,8 +117,8 @@ def _why(judged: FittedModel, index: int, alone: Fit | None, share: float, rules
 
 
 def _times(judged: FittedModel, index: int, rules: Rules) -> float | None:
-    """Return how many times the torques of a recording are those of a model, all of them alike; None where that leaves
-    more than a part worth telling.
+    """Factor between the torques of a recording and those of a model, the same for all joints; None where it leaves
+    more than a negligible part.
     """
     recording = judged.prepared.all[index]
     wanted, torque = judged.torque(index)[recording.used], recording.torque[recording.used]

@@ -32,7 +32,8 @@ class Seen:
     times `t` (K,) s; filtered like the measured torque, or before the filter. `logged` are further columns, the
     recording `began` at so many s. `number` is that of a claim, where its pieces bend with it: 0 at first. `rising` is
     the slope (J, K) of the torque over time as it passes the filter; None where that of the torque itself is it.
-    `elsewhere` is the torque (J, M) at other times (M,), which a number that is known asks for.
+    `elsewhere` is the torque (J, M) at other times (M,), which a number that is known asks for; `by_angle` its
+    derivative (J, K) by the angle of a joint (index).
     """
 
     model: Model
@@ -45,6 +46,7 @@ class Seen:
     number: float = 0.0
     rising: Float | None = None
     elsewhere: Callable[[Float], Float] | None = None
+    by_angle: Callable[[int], Float] | None = None
 
 
 Node = tuple[float, ...]
@@ -80,7 +82,8 @@ class Claim:
     The prediction gains its number times `pieces(seen)` (J, K, m) mixed by `mix(node)` (m,), at one of the `nodes`
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
     the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,),
-    and the last piece is added whatever its number. Friction that grows with the load feels it where it is `borne` by
+    and the last piece is added whatever its number; where it `turns` a joint (index), by its number from where it was
+    read. Friction that grows with the load feels it where it is `borne` by
     the drives; what is of a `drive`, or of its sensor, no joint without one has. `everyone`: each recording has one of
     its own; `common`: all have the same; otherwise those have one that differ from the others, and the same where it is
     `shared`; it may begin within a recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or
@@ -96,6 +99,7 @@ class Claim:
     usual: float = 0.0
     factor: bool = False
     moves: Callable[[Seen], Float] | None = None
+    turns: int | None = None
     borne: bool = False
     drive: bool = False
     everyone: bool = False
@@ -107,6 +111,16 @@ class Claim:
     mix: Callable[[Node], Float] = _alone
     of: str = ""
     shown: tuple[float, str] | None = None
+
+    @property
+    def key(self) -> tuple[str, str | None]:
+        """The hypothesis and the place: claims of it there are the same one."""
+        return self.what, self.place
+
+    @property
+    def of_motion(self) -> bool:
+        """True if the torques are those of another motion than the one recorded."""
+        return self.moves is not None or self.turns is not None
 
 
 @cache

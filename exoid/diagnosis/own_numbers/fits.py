@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from exoid.symbolic.motion import Float, Motion
 
 ALIKE = 1e-9
 """Part by which the cosine between two columns may be below one where they are the same but for rounding."""
+TURN = 1e-4
+"""rad to either side for a derivative by an angle."""
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
 CLOSER, CLOSE = 12, 3e-3
@@ -40,7 +43,15 @@ def seen_before_filter(now: FittedModel, one: PreparedRecording, linear: Float, 
     return Seen(
         now.model, linear, columns, torque_on(one.motion), t, one.logged, float(t[0]),
         elsewhere=lambda times: torque_on(one.at(times)),
+        by_angle=lambda joint: slope_by_angle(torque_on, one.motion, joint),
     )  # fmt: skip
+
+
+def slope_by_angle(of: Callable[[Motion], Float], motion: Motion, joint: int) -> Float:
+    """Derivative of something `of` a motion by the angle of a joint (index)."""
+    only = TURN * np.eye(motion.q.shape[1])[joint]
+    above, below = (of(replace(motion, q=motion.q + way * only)) for way in (1.0, -1.0))
+    return (above - below) / (2.0 * TURN)
 
 
 def columns_on(now: FittedModel, motion: Motion, shape: Float) -> Float:
@@ -55,7 +66,7 @@ class Fits:
     the model lacks or not: what differs is told from there), the pieces of all claims, and the residual. Where
     recordings are cut, a zero may also begin at the cut. What multiplies a torque of the model does so at the `linear`
     numbers (P,), which every weighing finds anew: another gain of half the recordings spoils those of the model given.
-    `parts` are those at the cuts whose motion is timed by clocks that are known already.
+    `parts` are those at the cuts whose motion is another one by numbers that are known already.
     """
 
     def __init__(self, now: FittedModel, rules: Rules, cuts: Cuts, parts: Sequence[Part] = ()) -> None:
@@ -69,6 +80,7 @@ class Fits:
                 self.torques[k] = self.torques[k] + recording.smooth(recording.motion.load)
         self.rising = [self._rising(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, driven_joints(now.prepared.all), state_columns(now))
+        self.turning = [self._turning(k) for k in range(len(self.blocks))]
         self.seen = [self._seen(k) for k in range(len(self.blocks))]
         pieces = [[claim.pieces(seen) for claim in self.claims] for seen in self.seen]
         same = [k for k, claim in enumerate(self.claims) if claim.everyone]
@@ -152,7 +164,17 @@ class Fits:
         moved, recording = self.linear - now.linear, now.prepared.all[k]
         torque, rising = self.torques[k] + columns @ moved, self.rising[k] @ np.append(moved, 1.0)
         began = float(recording.motion.t[0])
-        return Seen(now.model, self.linear, columns, torque, recording.t, recording.logged, began, rising=rising)
+        return Seen(
+            now.model, self.linear, columns, torque, recording.t, recording.logged, began, rising=rising,
+            by_angle=lambda joint: self.turning[k][joint] @ self.linear,
+        )  # fmt: skip
+
+    def _turning(self, k: int) -> dict[int, Float]:
+        """Return the filtered derivatives (J, K, P) of the model's columns by the angles of which claims ask."""
+        recording, shape = self.now.prepared.all[k], self.now.shapes[k]
+        joints = [claim.turns for claim in self.claims if claim.turns is not None]
+        of = partial(columns_on, self.now, shape=shape)
+        return {j: recording.smooth_columns(slope_by_angle(of, recording.motion, j)) for j in joints}
 
     def _rising(self, k: int) -> Float:
         """Return the filtered slopes (J, K, P + 1) over time of the model's columns on a recording, and of its torque:
@@ -183,7 +205,10 @@ class Fits:
         if early:
             seen = seen_before_filter(self.now, recording, self.linear, self.now.shapes[k])
         if alone is not None:
-            seen = replace(seen, linear=np.eye(len(self.linear))[alone], torque=seen.columns[:, :, alone])
+            alike, by_angle = np.eye(len(self.linear))[alone], self.turning[k]
+            seen = replace(
+                seen, linear=alike, torque=seen.columns[:, :, alone], by_angle=lambda joint: by_angle[joint] @ alike
+            )
         pieces = claim.pieces(replace(seen, number=number))
         return recording.smooth_columns(pieces) if early else pieces
 

@@ -28,8 +28,8 @@ WITHIN = 1e-3
 """Part of the distance between nodes to which the best place is found."""
 WAYS = 2
 """Ways in which recordings are taken to differ at most: beyond, a machine's error has as many faces as motions."""
-TIMED = 2
-"""Times that recordings are timed anew by the clocks that were found: where friction reverses depends on these."""
+MOVED = 2
+"""Times that recordings get the motion anew that was found: where friction reverses depends on clocks."""
 MOVES, HALVINGS = 30, 6
 """Steps to it at most, and how often one that does not help is halved."""
 
@@ -56,11 +56,11 @@ def belonging_to(
             fits = Fits(now, rules, cuts)
             held = _Search(fits).placed(fits.moved(in_parts, then))
     own = with_numbers(fits, held) if held else None
-    for _ in range(TIMED):
-        if own is None or not (timed := own.timed):
+    for _ in range(MOVED):
+        if own is None or not (parts := own.moved):
             break
-        known, fits = fits, Fits(now.on(own.on_time(now.prepared)), rules, fits.cuts, timed)
-        own = with_numbers(fits, placed(fits, fits.moved(known, own.held)))
+        known, fits = fits, Fits(now.on(own.on_motion(now.prepared)), rules, fits.cuts, parts)
+        own = with_numbers(fits, _Search(fits).settled(fits.moved(known, own.held)))
     while own is not None and (clear := own.clear) != own.held:
         own = with_numbers(fits, clear) if clear else None
     return own
@@ -140,8 +140,29 @@ class _Search:
             if not self.fits.pays(state, best, self.clear) or self._is_the_machines(state, best[-1]):
                 break
             state = best
+        return self.settled(state)
+
+    def settled(self, state: State) -> State:
+        """The claims without those that are needless, each at the node that fits best."""
         self.fits.weigh(state)
-        return self._with_middles(self._all_placed(self._pruned(state)))
+        return self._with_middles(self._all_placed(self._pruned(self._at_other_angles(state))))
+
+    def _at_other_angles(self, state: State) -> State:
+        """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
+        more: it shifts the torques of all joints that weigh, and has one number.
+        """
+        rest = tuple(item for item in state if not item.claim.everyone)
+        if len(state) - len(rest) < 2 or len(rest) >= self.ways:
+            return state
+        self.fits.weigh(rest)
+        turned = [self._grown(rest, held) for held in self._promising(rest) if held.claim.turns is not None]
+        if not turned:
+            return state
+        rival = least_of([(*rest, held) for held in turned], self.fits.weighed_loss, 1.0)
+        self.fits.weigh(rival)
+        plainer = bool(np.isfinite(self.fits.loss(rival))) and not self.fits.pays(rival, state, self.clear)
+        self.fits.weigh(rival if plainer else state)
+        return rival if plainer else state
 
     def _of_everyone(self, state: State) -> State:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those
@@ -308,9 +329,10 @@ class _Search:
         return [replace(held, groups=entry) for entry in (*longer, rest) if len(entry) < len(every)]
 
     def _pruned(self, state: State) -> State:
-        """The claims that are not needless beside the others."""
-        while len(state) > 1:
-            rivals = [self._needless(tuple(item for item in state if item is not out), out) for out in state]
+        """The claims that are not needless beside the others; of motions that recordings were given, little is left."""
+        given = any(part.known for part in self.fits.parts)
+        while len(state) > 1 and (asked := [item for item in state if not (given and item.claim.of_motion)]):
+            rivals = [self._needless(tuple(item for item in state if item is not out), out) for out in asked]
             best = index_of_least([total(self.fits.losses(rival)) for rival in rivals])
             if self.fits.pays(rivals[best], state, self.clear):
                 break

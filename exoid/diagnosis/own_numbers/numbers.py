@@ -138,21 +138,21 @@ class OwnNumbers:
         return refitted(known.model, known, self.applied(prepared))
 
     @property
-    def timed(self) -> tuple[Part, ...]:
-        """The parts with their clocks; () where torques come at no other times."""
+    def moved(self) -> tuple[Part, ...]:
+        """The parts with the numbers by which their motion is another one; () where it is the recorded one."""
         each = [list(self._of_part(j, self.numbers)) for j in range(len(self.parts))]
-        clocks = [{held.claim.what: number for held, number in own if held.claim.moves} for own in each]
-        pairs = zip(self.parts, clocks, strict=True)
-        return tuple(replace(part, clocks=own) for part, own in pairs) if any(clocks) else ()
+        known = [{held.claim.key: number for held, number in own if held.claim.of_motion} for own in each]
+        pairs = zip(self.parts, known, strict=True)
+        return tuple(replace(part, known=own) for part, own in pairs) if any(known) else ()
 
-    def on_time(self, prepared: Prepared) -> Prepared:
-        """The recordings with the motion of the moments of their torques, and what stands out of these as spikes there:
-        a friction that reverses late looks like one.
+    def on_motion(self, prepared: Prepared) -> Prepared:
+        """The recordings with the motion that their torques are of, and what stands out of these as spikes there: a
+        friction that reverses late looks like one.
         """
         found = replace(self.now, fit=replace(self.now.fit, linear=self.linear))
         judged, count = found.on(self.applied(prepared)).judged_anew(), len(prepared.train)
         pairs = zip(prepared.all, judged.all, strict=True)
-        every = [item.at_times(self._times(item, unseen=False)).with_spikes(other.spikes) for item, other in pairs]
+        every = [self._moved(item, unseen=False).with_spikes(other.spikes) for item, other in pairs]
         return replace(prepared, train=tuple(every[:count]), verify=tuple(every[count:]))
 
     def applied(self, prepared: Prepared) -> Prepared:
@@ -175,20 +175,21 @@ class OwnNumbers:
         return one.carrying(self._own(one, unseen=unseen, borne=True))
 
     def _applied(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
-        times = self._times(one, unseen=unseen)
-        timed = one if np.array_equal(times, one.motion.t) else one.at_times(times)
-        carrying = self._carrying(timed, unseen=unseen)
+        carrying = self._carrying(self._moved(one, unseen=unseen), unseen=unseen)
         return carrying.beside_own(self._own(carrying, unseen=unseen))
 
-    def _times(self, one: PreparedRecording, *, unseen: bool) -> Float:
-        """Times (N,) in s of the motion to which the torques of a recording belong."""
-        times = one.motion.t.copy()
+    def _moved(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
+        """Return a recording with the motion that its torques are of: that of other times, or at other angles."""
+        times, angles = one.motion.t.copy(), np.zeros(one.motion.q.shape)
         for j, half, numbers in self._halves(one, unseen=unseen):
             for held, number in self._of_part(j, numbers):
-                if held.claim.moves:
+                if held.claim.turns is not None:
+                    angles[:, held.claim.turns] += half * number
+                elif held.claim.moves:
                     seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
                     times += half * (held.claim.moves(replace(seen, number=number)) - one.motion.t)
-        return times
+        timed = one if np.array_equal(times, one.motion.t) else one.at_times(times)
+        return timed.changed(motion=replace(timed.motion, q=timed.motion.q + angles)) if angles.any() else timed
 
     def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> Float:
         """Torque (N, J) that belongs to a recording alone, whose motion is at the times of its torques; only what
@@ -196,7 +197,7 @@ class OwnNumbers:
         """
         known = np.zeros(one.wide_tau.shape)
         for j, half, numbers in self._halves(one, unseen=unseen):
-            some = [(held, number) for held, number in self._of_part(j, numbers) if not held.claim.moves]
+            some = [(held, number) for held, number in self._of_part(j, numbers) if not held.claim.of_motion]
             some = [(held, number) for held, number in some if held.claim.borne or not borne]
             if some:
                 seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
@@ -278,9 +279,9 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
     widths = np.array([spread.number(k) for k in range(len(numbers))])
     own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
-    if any(part.clocks for part in fits.parts):  # there, the numbers are what is left of them
-        groups = [(held.claim, fits.parts[group[0]].clocks) for held in state for group in held.groups]
-        known = np.array([clocks.get(claim.what, 0.0) if claim.moves else 0.0 for claim, clocks in groups])
+    if any(part.known for part in fits.parts):  # there, the numbers are what is left of them
+        groups = [(held.claim, fits.parts[group[0]].known) for held in state for group in held.groups]
+        known = np.array([before.get(claim.key, 0.0) if claim.of_motion else 0.0 for claim, before in groups])
         numbers = numbers + known
         own = replace(own, numbers=numbers, judged=judged + known)
     else:

@@ -89,8 +89,8 @@ def state_columns(now: FittedModel) -> tuple[StateColumn, ...]:
 @dataclass(frozen=True)
 class Part:
     """The kept samples `start` to `stop` of a recording (index): the whole of it, or what is before or after a cut,
-    which is at the time `cut` s where that is known better than to a kept sample. Its motion may be that of the moments
-    of its torques, by `clocks` {what: number}.
+    which is at the time `cut` s where that is known better than to a kept sample. Its motion may be another one than
+    was recorded, by numbers that are `known` {claim's key: number}.
     """
 
     recording: int
@@ -98,7 +98,7 @@ class Part:
     stop: int
     samples: int
     cut: float | None = None
-    clocks: Mapping[str, float] = field(default_factory=dict, compare=False)
+    known: Mapping[tuple[str, str | None], float] = field(default_factory=dict, compare=False)
 
     @property
     def kept(self) -> slice:
