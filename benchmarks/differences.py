@@ -204,9 +204,8 @@ def differing(kind: str, machine: Machine, rng: np.random.Generator) -> tuple[li
         "encoder": ("angle", ("encoder_zero", name), sign * float(rng.uniform(0.05, 0.2))),
         "late clock": ("late", ("clock_offset", None), float(rng.uniform(0.008, 0.025))),
     }[kind]
-    own = {"gain": 1.0 + (value - 1.0) * unit, "friction": 1.0 + (value - 1.0) * unit, "angle": value * unit}.get(
-        change, value
-    )
+    usually = {"gain": 1.0, "friction": 1.0, "angle": 0.0}  # what the other joints have
+    own = usually[change] + (value - usually[change]) * unit if change in usually else value
     which = which if kind == "load" else which[:1]  # of two and two nobody knows which are usual
     for k in which:
         runs[k] = replace(usual, **{change: own})

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 Float = NDArray[np.float64]
+
+STEP = 1e-4
+"""rad or m, or these per s or s², to either side for a derivative by a state of a joint."""
 
 
 def read_only(array: object) -> Float:
@@ -82,6 +85,13 @@ class Motion:
     def signs(self) -> Mapping[str, Float]:
         """The sign signal (N,) of each word for a joint's velocity."""
         return _by_joint("dtheta", self.sign)
+
+
+def slope_by(of: Callable[[Motion], Float], motion: Motion, state: str, joint: int) -> Float:
+    """Derivative of what `of` gives for a motion by the angle, velocity or acceleration (`state`) of a joint."""
+    values, only = getattr(motion, state), STEP * np.eye(motion.q.shape[1])[joint]
+    above, below = (of(replace(motion, **{state: values + way * only})) for way in (1.0, -1.0))
+    return (above - below) / (2.0 * STEP)
 
 
 def _by_joint(stem: str, signal: Float) -> dict[str, Float]:

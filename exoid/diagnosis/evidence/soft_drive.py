@@ -30,15 +30,15 @@ from exoid.ground.ties import least_of
 from exoid.measurement.signals.compiled import solved_banded
 from exoid.symbolic.evaluation import carrying
 from exoid.symbolic.language.torque import is_transform
-from exoid.symbolic.motion import Float
+from exoid.symbolic.motion import Float, slope_by
 
 ENTRY = "motor_elasticity"
 SOFTEST, STIFFEST, TRIED = 0.3, 6.0, 8
 """Resonances in Hz between which compliances are tried, and how many of them: above, the entry holds."""
 REACH, CLOSE = 1.6, 0.005
 """Factor about the best one within which it is refined, and how closely."""
-STATES, STEP = ("q", "dq", "ddq"), 1e-4
-"""What a rigid-body torque has slopes by, and the step to either side by which they are told."""
+STATES = ("q", "dq", "ddq")
+"""What a rigid-body torque has slopes by."""
 ROUNDS = 2
 """Times that the numbers are fitted: friction and inertia enter the twist."""
 NO_BETTER = 0.95
@@ -169,12 +169,8 @@ class _Link:
     @cached_property
     def bends(self) -> Float:
         """Derivatives (3, N, P) of the joint's rigid-body columns by its angle, velocity and acceleration."""
-        out = []
-        for name in STATES:
-            ends = [{name: getattr(self.motion, name) + step * self.only} for step in (-STEP, STEP)]
-            low, high = (self.bare.columns(replace(self.motion, **moved)) for moved in ends)
-            out.append((high - low)[self.joint, :, self.inertial] / (2.0 * STEP))
-        return np.array(out)
+        slopes = (slope_by(self.bare.columns, self.motion, state, self.joint) for state in STATES)
+        return np.array([slope[self.joint, :, self.inertial] for slope in slopes])
 
     def slopes(self, linear: Float) -> Float:
         """Return the derivatives (3, N) of the joint's rigid-body torque by its angle, velocity and acceleration."""

@@ -83,12 +83,12 @@ class Claim:
     (V,). The number lies within `bounds`, and is told from `usual` on. It is a `factor` where it multiplies a torque of
     the model: its pieces are linear in the model's numbers; where it `moves` that in time, it says to which times (K,),
     and the last piece is added whatever its number; where it `turns` a joint (index), by its number from where it was
-    read. Friction that grows with the load feels it where it is `borne` by
-    the drives; what is of a `drive`, or of its sensor, no joint without one has. `everyone`: each recording has one of
-    its own; `common`: all have the same; otherwise those have one that differ from the others, and the same where it is
-    `shared`; it may begin within a recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or
-    itself, must beat it where all have the same number of that, which is the machine's. `of` is what else its sentence
-    tells, `shown` how many of another unit its own is, in which it is said.
+    read. Friction that grows with the load feels it where it is `borne` by the drives; what is of a `drive`, or of its
+    sensor, no joint without one has. `everyone`: each recording has one of its own; `common`: all have the same;
+    otherwise those have one that differ from the others, and the same where it is `shared`; it may begin within a
+    recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or itself, must beat it where all
+    have the same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how many of
+    another unit its own is, in which it is said.
     """
 
     what: str
@@ -114,7 +114,7 @@ class Claim:
 
     @property
     def key(self) -> tuple[str, str | None]:
-        """The hypothesis and the place: claims of it there are the same one."""
+        """The hypothesis and the place, by which a claim `of_motion` is known in other fits."""
         return self.what, self.place
 
     @property

@@ -1,6 +1,7 @@
 """The zero of an encoder is another one in some recordings, as where it counts from wherever it was switched on.
 
-One that all have is the machine's, and an effect. Asked of machines in a plane: encoders of arms in space are absolute.
+One that all have is the machine's, and an effect. Asked of machines in a plane: the many columns of an arm in space
+would have to be derived by every angle.
 """
 
 from __future__ import annotations
@@ -13,16 +14,16 @@ from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 MOST = 0.3
-"""rad by which a zero may differ: beyond, torques are no line in the angle, and the audit sees it."""
+"""rad by which a zero may differ: beyond, torques are no line in the angle, and the first step does not find it."""
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another zero of the encoder of each joint that turns, in some recordings."""
-    turning = [k for k, joint in enumerate(model.joints) if joint.turns and not model.spatial]
-    names = model.joint_names
+    joints = () if model.spatial else model.joints
     return tuple(
-        Claim("encoder_zero", names[k], "rad", partial(_by_angle, k), (-MOST, MOST), factor=True, turns=k)
-        for k in turning
+        Claim("encoder_zero", joint.name, "rad", partial(_by_angle, k), (-MOST, MOST), factor=True, turns=k)
+        for k, joint in enumerate(joints)
+        if joint.turns
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -18,12 +18,10 @@ from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State, parts_
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
-from exoid.symbolic.motion import Float, Motion
+from exoid.symbolic.motion import Float, Motion, slope_by
 
 ALIKE = 1e-9
 """Part by which the cosine between two columns may be below one where they are the same but for rounding."""
-TURN = 1e-4
-"""rad to either side for a derivative by an angle."""
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
 CLOSER, CLOSE = 12, 3e-3
@@ -43,15 +41,8 @@ def seen_before_filter(now: FittedModel, one: PreparedRecording, linear: Float, 
     return Seen(
         now.model, linear, columns, torque_on(one.motion), t, one.logged, float(t[0]),
         elsewhere=lambda times: torque_on(one.at(times)),
-        by_angle=lambda joint: slope_by_angle(torque_on, one.motion, joint),
+        by_angle=lambda joint: slope_by(torque_on, one.motion, "q", joint),
     )  # fmt: skip
-
-
-def slope_by_angle(of: Callable[[Motion], Float], motion: Motion, joint: int) -> Float:
-    """Derivative of something `of` a motion by the angle of a joint (index)."""
-    only = TURN * np.eye(motion.q.shape[1])[joint]
-    above, below = (of(replace(motion, q=motion.q + way * only)) for way in (1.0, -1.0))
-    return (above - below) / (2.0 * TURN)
 
 
 def columns_on(now: FittedModel, motion: Motion, shape: Float) -> Float:
@@ -174,7 +165,7 @@ class Fits:
         recording, shape = self.now.prepared.all[k], self.now.shapes[k]
         joints = [claim.turns for claim in self.claims if claim.turns is not None]
         of = partial(columns_on, self.now, shape=shape)
-        return {j: recording.smooth_columns(slope_by_angle(of, recording.motion, j)) for j in joints}
+        return {j: recording.smooth_columns(slope_by(of, recording.motion, "q", j)) for j in joints}
 
     def _rising(self, k: int) -> Float:
         """Return the filtered slopes (J, K, P + 1) over time of the model's columns on a recording, and of its torque:
