@@ -126,7 +126,7 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
 
 def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) -> None:
     """Take in the session of a folder."""
-    from exoid.diagnosis.session.history import History
+    from exoid.apps.page.history import History
 
     text = place.read() if place is not None else read_input(folder / SESSION, LARGEST, remember=False, inside=folder)
     content = json.loads(text)

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from exoid.apps.page import given as files
 from exoid.apps.page.given import FIT, VERIFY, Given, numbers_meant
+from exoid.apps.page.history import History
 from exoid.apps.page.judging import Judging
 from exoid.apps.page.keeping import Keeping
-from exoid.diagnosis.session.history import History
 from exoid.ground.errors import EffectError, ExoidError, RecordingError
 from exoid.ground.inside import is_inside
 from exoid.ground.lock import private_folder

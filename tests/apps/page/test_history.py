@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from exoid.diagnosis.session.history import History
+from exoid.apps.page.history import History
 from exoid.ground.errors import EffectError
 
 
