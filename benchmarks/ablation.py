@@ -68,15 +68,25 @@ def _as_it_was(context: Any, state: Any) -> Any:
 
 
 def _switches() -> Iterator[Switch]:
-    for name in ("little_motion", "on_bound", "undetermined", "made_by_the_filter", "beside_standstill"):
+    for name in ("little_motion", "on_bound", "undetermined", "made_by_the_filter", "explains_nothing"):
         yield Switch("search.doubt", name, _says(""))
-    yield Switch("search.doubt", "torque_before_motion", _says(""))
+    for name in ("beside_standstill", "less_than_chance", "torque_before_motion"):
+        yield Switch("search.doubt", name, _says(""))
+    yield Switch("search.doubt", "refuted", _says(None))
+    yield Switch("search.choice", "plainer_together", _says(frozenset()))
     yield Switch("search.choice", "outlives_noise", _says(True))
     yield Switch("search.choice", "_twins", _says([]))
     yield Switch("search.containing", "contains", _says(False))
     for name in ("prune", "exchange", "drop_unsteady"):
         yield Switch(f"search.{name}", name, _as_it_was)
+    yield Switch("search.exchange", "_made_of", _says(False))
+    yield Switch("search.exchange", "_holds_any", _says(False))
     yield Switch("search.take_back", "proxies", _says(frozenset()))
+    yield Switch("search.take_back", "_superseded", _says(set()))
+    yield Switch("evidence.proxies", "_bumps", _says([]))
+    yield Switch("evidence.curves", "may_move", _says(False))
+    yield Switch("evidence.ranking", "clearly_helps", _says(True))
+    yield Switch("evidence.repeats", "repeats", _says(None))
     yield Switch("search.take_back", "left_over", _says(None))
     yield Switch("search.take_back", "_of_filter", _says(False))
     yield Switch("evidence.score", "harmless", _says(True))

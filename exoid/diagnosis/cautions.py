@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.diagnosis.doubts import doubts_before, doubts_first
-from exoid.diagnosis.evidence.best_effects import may_be_explained
+from exoid.diagnosis.evidence.best_effects import may_be_explained, most_effects
 from exoid.diagnosis.evidence.channel_doubt import COLUMNS, Doubt, finite, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.own_numbers.compared import predicts_better
 from exoid.diagnosis.own_numbers.found import belonging_to
+from exoid.diagnosis.readings import reading_doubt
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.measurement.finding import EVERY, Finding
 
@@ -33,6 +34,9 @@ def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
     if doubt is None and (own := _own_numbers(fitted, rules)):
         return own
     share = left_share(fitted)
+    if doubt is None and np.nanmax(share, initial=0.0) > rules.worth_telling:
+        last = most_effects(fitted, rules)
+        doubt = reading_doubt(last.fit, (term.name for term in last.model.terms))
     if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
         parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in finite(share, fitted.model.joint_names))
         text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"

@@ -5,22 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from exoid.diagnosis.doubts import doubts_after
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
 from exoid.diagnosis.evidence.soft_drive import soft_drive
-from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
 from exoid.diagnosis.question import Question, Searched
 from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
-from exoid.diagnosis.rules import Rules
-from exoid.diagnosis.search.context import SearchContext
-from exoid.diagnosis.search.doubt import DELAY, refuted
+from exoid.diagnosis.search.doubt import refuted
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
-from exoid.diagnosis.search.state import Extension, State
+from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.settings import ALL
 from exoid.diagnosis.splits import from_scratch
 from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted
@@ -107,8 +102,8 @@ def _inside(
 
     if done.answer is not None:
         return done, as_given(done.answer)
-    if wrong := next(filter(is_reading, state.names), None):
-        return done, as_given(doubted(reading_doubt(state.last.fitted.fit, wrong)))
+    if wrong := reading_doubt(state.last.fitted.fit, state.names):
+        return done, as_given(doubted(wrong))
     whole(0.95, "judging what was found on the whole of the recordings")
     done, extensions = settle(done)
     state = done.found.state
@@ -134,15 +129,6 @@ def _inside(
         soft_answer = behind(soft, last.model.joints)
         return unless_doubted(as_given(soft_answer, possible_beside(soft, accepted, possible, rules)))
     accepted = tuple(map(in_words, accepted))
-    behind_filter = _filtered(done.context, state, rules)
-    if behind_filter is not None and behind_filter.doubt is not None:
-        return unless_doubted(as_given(doubted(behind_filter.doubt)))
-    if behind_filter is not None:
-        also = (behind_filter.name,)
-        accepted = tuple(
-            replace(a, look_alikes=(*a.look_alikes, *also), outside=(*a.outside, *also)) if a.effect == DELAY else a
-            for a in accepted
-        )
     first = () if accepted else done.found.first
     leading = leading_of(done.context, state, first, done.base.evaluation_rms)
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
@@ -165,19 +151,6 @@ def in_words(one: Accepted) -> Accepted:
         return one
     alike, never = (tuple(also.get(n, n) for n in names) for names in (one.look_alikes, one.never_separable))
     return replace(one, look_alikes=alike, never_separable=never, outside=tuple(also.values()))
-
-
-def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTorque | None:
-    """Return the filter on the torque that may be what the accepted delays stand for; None where none may."""
-    last = state.last.fitted
-    shapes = [entry.term for entry in last.model.shapes]
-    delays = [score for score in state.accepted if score.candidate.term.effect.id == DELAY]
-    values = [last.fit.shapes[:, shapes.index(score.name)] for score in delays]
-    late = [score for score, own in zip(delays, values, strict=True) if np.ptp(own) < np.median(own)]
-    if not late:  # a torque that is early, or late by something else in every recording, is behind no filter
-        return None
-    joints = sorted({joint for score in late for joint in score.candidate.joints})
-    return filtered(context.without(state.last, late).fitted, joints, rules)
 
 
 def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:

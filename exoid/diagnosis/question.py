@@ -31,7 +31,6 @@ from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.effect import Effect
-from exoid.symbolic.language.torque import is_transform
 from exoid.symbolic.model import Model
 
 
@@ -143,7 +142,7 @@ class Question:
     ) -> Searched:
         rules, part = self.rules, searched_stretches(base.prepared, self.rules)
         context = self.context(part, base.prepared, tick)
-        doubt = doubts_before(base, rules, lambda: most_explained(context, base))
+        doubt = doubts_before(base, rules)
         if doubt is not None:
             return self._answered(base, doubted(doubt), tick)
         if np.all(base.evaluation_rms <= rules.artefact * base.prepared.filter_error):
@@ -172,16 +171,6 @@ def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
     """Return `extra` and the user's own effects, each once: those the model declares and those it has already."""
     own = (*extra, *model.custom, *(term.effect for term in model.terms if term.effect.custom))
     return tuple({effect.id: effect for effect in reversed(own)}.values())[::-1]
-
-
-def most_explained(context: SearchContext, base: FittedModel) -> float:
-    """Largest share of the unseen error that an entry of the catalogue explains, of those that do not follow the
-    model's own torque.
-    """
-    start = Extension(base) if context.prepared is base.prepared else context.fit(base.model)
-    candidates = [candidate for candidate in context.library.candidates if not is_transform(candidate.term)]
-    scores = context.all_weighed(start, context.evidence(start, draws=0), candidates)
-    return max((score.share for score in scores if score.helps and not score.caution), default=0.0)
 
 
 def steps_of(extensions: Sequence[Extension], sentences: Sequence[str] = ()) -> tuple[Step, ...]:

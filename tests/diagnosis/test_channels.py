@@ -16,7 +16,7 @@ from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import model_error
 from exoid.diagnosis.evidence.repeats import repeats
-from exoid.diagnosis.evidence.timing import filtered
+from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.bench.simulation import Bench, run_bench
 from exoid.measurement.reading.read import read_recording
@@ -109,67 +109,45 @@ def test_one_recording_with_the_torque_of_another_motion_is_named(good):
     assert found.remedy.startswith(f"begin with {odd.name}: ")
 
 
+def found_in(recordings) -> Diagnosis:
+    return discover(MODEL, recordings[:2], recordings[2:], seed=1)
+
+
 @pytest.mark.parametrize("late", [0.3, -0.2])
 def test_torque_logged_late_or_early(good, late):
-    fitted = base([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
-    found = doubts_before(fitted)
-    for rule, value in (("least_share", 2.0), ("little", 0.0), ("late_delay", 0.4)) if late > 0 else ():
-        assert doubts_before(fitted, replace(RULES, **{rule: value})) is None
-    assert found is not None and ("after" if late > 0 else "before") in found.sentence
-    seconds = float(found.remedy.split(" s,")[0].rsplit(" ", 1)[1])
-    assert seconds == pytest.approx(abs(late), abs=0.03)
+    found = found_in([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
+    assert found.verdict == "check_channels" and not found.accepted
+    assert f"comes {abs(late):g} s {'after' if late > 0 else 'before'} the motion" in found.sentence
+    assert f"shift the torque columns by {abs(late):g} s" in found.next_experiment
 
 
-@pytest.mark.parametrize("hertz", [1.0, 2.0])
-def test_torque_behind_a_slow_filter(good, hertz):
-    rng = np.random.default_rng(4)
+@pytest.mark.parametrize("hertz", [1.0, 2.0, 8.0])
+def test_torque_behind_a_filter(good, hertz):
     pole = np.exp(-2.0 * np.pi * hertz / 100.0)
-
-    def slow(one):
-        spikes = 30.0 * rng.normal(size=one.tau.shape) * (rng.random(one.tau.shape) < 0.01)  # smeared by the filter
-        tau = one.tau + spikes
-        filtered, _ = lfilter([1.0 - pole], [1.0, -pole], tau, axis=0, zi=pole * tau[:1])
-        return with_torque(one, filtered)
-
-    found = doubt([slow(one) for one in good])
-    assert found is not None and "filter of first order" in found.sentence
+    filter_ = [1.0 - pole], [1.0, -pole]
+    found = found_in([with_torque(one, lfilter(*filter_, one.tau, axis=0, zi=pole * one.tau[:1])[0]) for one in good])
+    assert found.verdict == "check_channels" and "filter of first order" in found.sentence
     assert float(found.sentence.split(" Hz")[0].rsplit(" ", 1)[1]) == pytest.approx(hertz, rel=0.15)
-
-
-def smooth(change):
-    """Recordings of a leg without friction, their torque as `change` logs it."""
-    for k in range(3):
-        path, rng = motion(k), np.random.default_rng(k)
-        tau = MODEL.torque(path, np.where(np.arange(8) < 4, BETA, 0.0)) + 0.05 * rng.normal(size=path.q.shape)
-        yield Recording(f"run {k}", path.t, path.q + 1e-5 * rng.normal(size=tau.shape), change(path.t, tau))
-
-
-def delayed(seconds):
-    return lambda t, tau: np.column_stack([np.interp(t - seconds, t, column) for column in tau.T])
-
-
-def test_a_fast_filter_on_the_torque_may_be_what_a_delay_stands_for():
-    def behind(hertz):
-        pole = np.exp(-2.0 * np.pi * hertz / 100.0)
-        one = [1.0 - pole], [1.0, -pole]
-        return base([*smooth(lambda _, tau: lfilter(*one, tau, axis=0, zi=pole * tau[:1])[0])])
-
-    fast = behind(8.0)
-    found = filtered(fast, [0])
-    assert found is not None and found.doubt is None and found.hertz == pytest.approx(8.0, rel=0.2)
-    assert found.name.startswith("a filter of first order on the torque (")
-    sure = filtered(behind(3.0), [0])
-    assert sure is not None and sure.doubt is not None and "filter of first order" in sure.doubt.sentence
-    assert filtered(fast, [0], replace(RULES, most=2.0)) is None
-    assert filtered(base([*smooth(delayed(0.03))]), [0, 1]) is None
 
 
 def test_one_late_channel_is_told_from_a_late_logger(good):
     def late(one):
         return with_torque(one, np.column_stack([one.tau[:, 0], np.roll(one.tau[:, 1], round(0.3 * one.rate))]))
 
-    found = doubt([late(one) for one in good])
-    assert found is not None and found.sentence.startswith("The torque of the knee does not")
+    spoilt = [late(one) for one in good]
+    assert "The torque of the knee does not belong" in found_in(spoilt).sentence
+    warned = [item.what for item in compare(MODEL, spoilt).audit if item.check == "channels"]  # without a search
+    assert len(warned) == 1 and "The torque of the knee" in warned[0] and "0.3 s after" in warned[0]
+
+
+@pytest.mark.parametrize("late", [0.02, 0.05])
+def test_a_little_delay_is_an_effect_and_no_wrong_channel(good, late):
+    found = found_in([with_torque(one, delayed(late)(one.t, one.tau)) for one in good])
+    assert {effect.effect for effect in found.accepted} == {"time_delay"}
+
+
+def delayed(seconds):
+    return lambda t, tau: np.column_stack([np.interp(t - seconds, t, column) for column in tau.T])
 
 
 def test_angles_too_noisy_for_accelerations(good):

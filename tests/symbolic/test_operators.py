@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from exoid.ground.errors import EffectError
-from exoid.symbolic.language.operators import MEMORY, dahl, ddt, delay, play
+from exoid.symbolic.language.operators import MEMORY, dahl, ddt, delay, lag, play
 
 signals = arrays(float, st.integers(1, 40), elements=st.floats(-3.0, 3.0))
 
@@ -36,6 +36,17 @@ def test_dahl_is_the_solution_of_its_differential_equation(x, sigma):
             z += dx * (k1 + 2 * k2 + 2 * k3 + k4) / 6
         states.append(z)
     np.testing.assert_allclose(dahl(np.arange(len(x)), x, sigma), states, atol=1e-6)
+
+
+@settings(deadline=None)
+@given(signals, st.lists(st.floats(1e-3, 1.0), min_size=40, max_size=40), st.just(0.0) | st.floats(1e-6, 5.0))
+def test_lag_is_a_filter_of_first_order_on_any_clock(x, steps, constant):
+    t, y, wanted = np.cumsum(steps)[: len(x)], x[0], [x[0]]
+    for value, step in zip(x[1:], np.diff(t), strict=True):
+        y += (value - y) * (1.0 - np.exp(-step / constant) if constant else 1.0)
+        wanted.append(y)
+    np.testing.assert_allclose(lag(t, x, constant), wanted, atol=1e-12)
+    np.testing.assert_allclose(lag(t, x, np.array([[constant], [0.3]]))[0], wanted, atol=1e-12)
 
 
 @settings(deadline=None)
@@ -131,7 +142,7 @@ def test_short_recordings(n):
         assert np.isfinite(out).all()
 
 
-@pytest.mark.parametrize("operator", [play, dahl])
+@pytest.mark.parametrize("operator", [play, dahl, lag])
 @pytest.mark.parametrize("value", [-0.1, float("nan")])
 def test_a_negative_parameter_is_refused(operator, value):
     with pytest.raises(EffectError, match="give a number that is not negative"):

@@ -12,6 +12,7 @@ import pytest
 
 from exoid.measurement.bench.leg import random_leg, standard_leg
 from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.symbolic.effect import Effect, Shape
 from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.model import Model
 from exoid.symbolic.model_file import Numbers, write_model
@@ -30,10 +31,15 @@ VARIANTS = [
     for joint in ((None,) if effect.on_both else effect.joints)
     if joint not in effect.absorbed_on
 ]
+LAGGING = Effect(
+    "lagging", "friction that follows the speed late", "c * lag(dtheta, T)", joints=("knee",),
+    coefficients={"c": "N·m·s/rad"}, shape={"T": Shape("s", 0.01, 0.4)},
+)  # fmt: skip
+VARIANTS.append((LAGGING.id, "knee"))
 
 
 def variant(name: str, joint: str | None) -> tuple[Model, Numbers]:
-    model = Model.standard().with_effect(name, joint)
+    model = Model.standard().with_effect(LAGGING if name == LAGGING.id else name, joint)
     base = dict(zip([p.name for p in model.parameters], standard_leg().base, strict=False))
     linear = {p.name: base.get(p.name, 0.7 * (p.typical or 1.0)) for p in model.parameters}
     shape = {s.name: float(_inside(s.shape)) for s in model.shapes}

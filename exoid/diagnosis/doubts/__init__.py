@@ -8,7 +8,6 @@ outside is looked for, and those asked `BEFORE` the search need no more than the
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
@@ -24,14 +23,12 @@ FIRST, BEFORE, AFTER = "first", "before", "after"
 @dataclass(frozen=True, eq=False)
 class Asked:
     """Subject of a doubt: the model that was given (`base`) and the best that was found (`last`), on all recordings;
-    the same before a search. `explained` returns what share of the squared error the best entry of the catalogue
-    explains.
+    the same before a search.
     """
 
     base: FittedModel
     last: FittedModel
     rules: Rules
-    explained: Callable[[], float]
 
 
 @cache
@@ -45,19 +42,17 @@ def _doubts(when: str) -> tuple[ModuleType, ...]:
 
 def doubts_first(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Doubt in whose presence nothing outside can be told either; None without any."""
-    return _first(FIRST, Asked(base, base, rules, lambda: 0.0))
+    return _first(FIRST, Asked(base, base, rules))
 
 
-def doubts_before(
-    base: FittedModel, rules: Rules = RULES, explained: Callable[[], float] = lambda: 0.0
-) -> Doubt | None:
+def doubts_before(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Doubt that makes a search pointless, judged with the model that is there; None where nothing does."""
-    return _first(BEFORE, Asked(base, base, rules, explained))
+    return _first(BEFORE, Asked(base, base, rules))
 
 
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Doubt by which the best model that was found (`last`) is no answer; None without any."""
-    return _first(AFTER, Asked(base, last, rules, lambda: 0.0))
+    return _first(AFTER, Asked(base, last, rules))
 
 
 def _first(when: str, asked: Asked) -> Doubt | None:

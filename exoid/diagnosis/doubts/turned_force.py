@@ -33,5 +33,4 @@ def doubt(asked: Asked) -> Doubt | None:
         f"The {names} counts the other way round: forces act on the machine and are positive {positive}, and "
         f"the torques agree with {', '.join(columns)} only when multiplied by {gains}.",
         f"--units {options}, or sign = -1 in [[forces]]; where only some columns are turned round, those alone",
-        1.0 - max(entry.share for entry in turned),
     )

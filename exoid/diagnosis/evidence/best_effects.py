@@ -1,5 +1,5 @@
-"""The most that the catalogue could explain, asked without a search: what is said of the channels or of the world
-outside has to beat it.
+"""The most that the catalogue and readings could explain, asked without a search: what is said of the world outside has
+to beat it.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.ranking import weigh_all
 from exoid.diagnosis.own_numbers.found import belonging_to
+from exoid.diagnosis.readings import readings_of
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import least_of
 from exoid.measurement.auditing.convention import CHECKS
@@ -29,10 +30,10 @@ def as_given(base: FittedModel) -> FittedModel:
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # angles that are misread may be of any size
 def most_effects(base: FittedModel, rules: Rules) -> FittedModel:
-    """Screening before a search: a model with entries of the catalogue, the best one after the other, until about the
-    noise is left. Each must explain much, or so few of them never get there.
+    """Screening before a search: a model with entries of the catalogue, or readings, the best one after the other,
+    until about the noise is left. Each must explain much, or so few of them never get there.
     """
-    library, now = build_library(base.model, base.prepared.all), base
+    library, now = build_library(base.model, base.prepared.all, readings_of(base.model, base.prepared)), base
     while not is_near_noise(now, rules):
         if len(now.model.terms) - len(base.model.terms) == rules.most_terms:
             break

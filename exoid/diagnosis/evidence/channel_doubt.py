@@ -21,14 +21,11 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Doubt:
-    """Reason why the channels cannot be what they say: the rule that fired, the sentence, and what to do; and the
-    `share` of the squared error that the other reading leaves, 0 where there is none.
-    """
+    """Reason why the channels cannot be what they say: the rule that fired, the sentence, and what to do."""
 
     rule: str
     sentence: str
     remedy: str
-    share: float = 0.0
 
 
 def turned_round(columns: Iterable[tuple[str, str]]) -> str:

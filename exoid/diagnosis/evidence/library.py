@@ -110,8 +110,9 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
             undriven = joint is not None and not driven[term.first]
             idle = undriven and (effect.drive or (effect.derive is None and feeds_back(term)))
             if term.name not in known and not idle:
+                first = next(iter(effect.shape.values()), None)
                 own = any(shape.per_recording for shape in effect.shape.values())
-                tangent = not effect.coefficients and not own
+                tangent = not effect.coefficients and not own and first is not None and first.min <= 0.0 <= first.max
                 found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))
     return Library(tuple(found))
 

@@ -6,11 +6,13 @@ it is proportional to their lengths, and its weight is not. So a wrong length is
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.readings import unchanged
+from exoid.diagnosis.rules import Rules
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.effect import Coefficient, Effect
@@ -51,10 +53,10 @@ def entry(model: Model, prepared: Prepared) -> Effect | None:
     return replace(EFFECT, joints=places) if places and not prepared.misread else None
 
 
-def change(fit: Fit, name: str) -> float:
-    """Return by what share of itself the length would change."""
+def objection(fit: Fit, name: str, explained: float, rules: Rules) -> str:
+    """Objection to a length that is practically that of the model."""
     more, link = _change(fit, name)
-    return abs(more.value) / float(link.length or 1.0)
+    return unchanged(abs(more.value) / float(link.length or 1.0), rules)
 
 
 def _change(fit: Fit, name: str) -> tuple[Estimate, Joint]:
@@ -63,16 +65,19 @@ def _change(fit: Fit, name: str) -> tuple[Estimate, Joint]:
     return more, next(joint for joint in fit.model.joints if name == f"{EFFECT.id}:{joint.name}")
 
 
-def what_is_wrong(fit: Fit, name: str) -> Doubt:
-    """Doubt about the length, with the one that the recordings want, by a fit in which the entry called `name` is."""
-    more, link = _change(fit, name)
-    assumed = float(link.length or 0.0)
-    value, low, high = (assumed + x for x in (more.value, more.low, more.high))
+def what_is_wrong(fit: Fit, names: Sequence[str]) -> Doubt:
+    """Doubt about lengths, with those that the recordings want."""
+    wrong, mend = [], []
+    for more, link in (_change(fit, name) for name in names):
+        assumed = float(link.length or 0.0)
+        value, low, high = (assumed + x for x in (more.value, more.low, more.high))
+        wrong.append(
+            f"The length of link {link.name} contradicts the recordings: they want {value:.3g} m ({low:.3g} to "
+            f"{high:.3g}), not the {assumed:g} m of the model. "
+        )
+        mend.append(f'length = {value:.3g} at [[joints]] "{link.name}"')
     return Doubt(
-        f"another length of link {link.name}, {value:.3g} m, explains more than every entry of the catalogue, and more "
-        "than its own placebos",
-        f"The length of link {link.name} contradicts the recordings: they want {value:.3g} m ({low:.3g} to "
-        f"{high:.3g}), not the {assumed:g} m of the model. No effect is named on top of a wrong length.",
-        f'measure the link, from joint to joint; the recordings want length = {value:.3g} at [[joints]] "{link.name}" '
-        "in the model file",
+        "another length of a link explains more than every entry of the catalogue, and more than its own placebos",
+        f"{''.join(wrong)}No effect is named on top of a wrong length.",
+        f"measure the link, from joint to joint; the recordings want {' and '.join(mend)} in the model file",
     )

@@ -6,7 +6,11 @@ shank that the model lacks, k sin(θ1 + θ2) at both joints.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.readings import unchanged
+from exoid.diagnosis.rules import Rules
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import COUPLING, has_a_length
 from exoid.optimisation.preparation.prepare import Prepared
@@ -31,9 +35,9 @@ def entry(model: Model, prepared: Prepared) -> Effect | None:
     return EFFECT if has_a_length(model, prepared) else None
 
 
-def change(fit: Fit, name: str) -> float:
-    """Return by what share of itself the length would change."""
-    return abs(_lengths(fit, name)[0] / fit.model.thigh_length - 1.0)
+def objection(fit: Fit, name: str, explained: float, rules: Rules) -> str:
+    """Objection to a length that is practically that of the model."""
+    return unchanged(abs(_lengths(fit, name)[0] / fit.model.thigh_length - 1.0), rules)
 
 
 def _lengths(fit: Fit, name: str) -> tuple[float, float, float]:
@@ -45,9 +49,9 @@ def _lengths(fit: Fit, name: str) -> tuple[float, float, float]:
     return value, min(ends), max(ends)
 
 
-def what_is_wrong(fit: Fit, name: str) -> Doubt:
-    """Doubt about the length, with the one that the recordings want, by a fit in which the entry called `name` is."""
-    value, low, high = _lengths(fit, name)
+def what_is_wrong(fit: Fit, names: Sequence[str]) -> Doubt:
+    """Doubt about the length, with the one that the recordings want."""
+    value, low, high = _lengths(fit, names[0])
     return Doubt(
         f"another thigh length, {value:.3g} m, explains more than every entry of the catalogue, and more than its own "
         "placebos",

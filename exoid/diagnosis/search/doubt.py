@@ -12,7 +12,7 @@ from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.model_error import sensor_noise
 from exoid.diagnosis.evidence.repeats import repeats
-from exoid.diagnosis.readings import is_reading, reading_change
+from exoid.diagnosis.readings import is_reading, reading_objection
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import index_of_greatest, least_of
@@ -45,17 +45,25 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         return None
     name = after.added.name
     reason = (
-        little_motion(after.fitted.prepared, rules, after.added.candidate.joints)
+        too_little_motion(before, after, rules)
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
         or explains_nothing(before, after, rules)
-        or practically_the_same(after.fitted, name, rules)
+        or reading_objection(after.fitted.fit, name, before.explained(after, rules), rules)
         or beside_standstill(before, after, rules)
         or less_than_chance(before, after, rules)
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
+
+
+def too_little_motion(before: Extension, after: Extension, rules: Rules) -> str:
+    """Return that the fitted motion is too little for anything to be accepted, but a reading that explains nearly all.
+    """
+    if after.added is None or (is_reading(after.added.name) and before.explained(after, rules) >= rules.most):
+        return ""
+    return little_motion(after.fitted.prepared, rules, after.added.candidate.joints)
 
 
 def refuted(extensions: Sequence[Extension], rules: Rules) -> tuple[str, Objection] | None:
@@ -193,13 +201,6 @@ def explains_nothing(before: Extension, after: Extension, rules: Rules) -> str:
     if share >= rules.least_share or after.added is None or is_reading(after.added.name):
         return ""
     return f"explains {100 * share:.1g} % of the squared error at its own joints, on motion it was not fitted to"
-
-
-def practically_the_same(fitted: FittedModel, name: str, rules: Rules) -> str:
-    """Return that the length which the reading `name` wants is practically that of the model."""
-    if not is_reading(name) or (share := reading_change(fitted.fit, name)) >= rules.least_share:
-        return ""
-    return f"the length would change by {100 * share:.1g} %, which is practically the same"
 
 
 def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:

@@ -151,7 +151,7 @@ def _cautions(model: Model, asked: DesignSettings) -> tuple[str, ...]:
     out = []
     if memory_operations(model):
         out.append(
-            "operators with a past (play, dahl, delay, ddt) have no formula at an instant: their columns are "
+            "operators with a past (play, dahl, delay, lag, ddt) have no formula at an instant: their columns are "
             "computed in Python, the motion is taken to start at rest in its past, and there is no IPOPT reference"
         )
     if any("t" in str(term.effect.torque) and term.effect.family == "drift" for term in model.terms):

@@ -1,7 +1,7 @@
 """A model's equation of motion as CasADi expressions: what C is generated from and integrators are built on.
 
 The path of every term is torque text -> SymPy -> derivative by each coefficient -> CasADi; the rigid part
-comes from Lagrange through SymPy as well. Operators with memory (play, dahl, delay, ddt) need more than an
+comes from Lagrange through SymPy as well. Operators with memory (play, dahl, delay, lag, ddt) need more than an
 instant: each becomes an input `memory[k]`, and `memories[k]` says what feeds it.
 """
 

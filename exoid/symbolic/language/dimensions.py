@@ -98,7 +98,7 @@ class _Walk:
     def _parameter(self, node: Call, signal: _Quantity, parameter: _Quantity) -> None:
         """Check what an operator with memory is given besides its signal: plain numbers have the unit that fits."""
         own = signal.dimension or NONE
-        wanted = {"play": own, "dahl": own**-1, "delay": TIME, "slow": TIME**-1}[node.function]
+        wanted = {"play": own, "dahl": own**-1, "delay": TIME, "lag": TIME, "slow": TIME**-1}[node.function]
         if not parameter.plain and parameter.dimension not in (wanted, None):
             what = f"{node.function}() wants {wanted} here, this is in {parameter.dimension}"
             raise refusal(what, self.text, node.arguments[1].span, "mend it")

@@ -11,7 +11,7 @@ from typing import Any
 from exoid.symbolic.language.tokens import refusal
 from exoid.symbolic.language.tree import Binary, Call, Name, Unary
 
-LINEAR_OPERATORS = frozenset(("delay", "slow", "ddt"))
+LINEAR_OPERATORS = frozenset(("delay", "lag", "slow", "ddt"))
 """Operators with memory that may act on what is proportional to a coefficient; play and dahl may not."""
 
 
@@ -60,5 +60,5 @@ def _remedy(what: str) -> str:
     return (
         "declare it as a shape with bounds instead"
         if what == "coefficient"
-        else "only delay(), slow() and ddt() may act on it"
+        else "only delay(), lag(), slow() and ddt() may act on it"
     )

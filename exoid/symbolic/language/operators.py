@@ -5,6 +5,7 @@ The signal x is (N,), or (V, N) where it differs between V trials; the parameter
 play(x, h)      what follows x through a gap of half-width h (backlash)
 dahl(x, σ)      friction state z with dz/dx = σ (1 - z sgn dx), between -1 and 1 (Dahl, 1968)
 delay(x, d)     x(t - d); before the first and after the last sample the edge value is held
+lag(x, T)       what a filter of first order with the time constant T makes of x, from its first value
 slow(x, f)      x without what is faster than f (Hz), without delay: a Gaussian, half the power at f
 ddt(x)          derivative with respect to time, of second order for non-uniform sampling too
 """
@@ -71,6 +72,25 @@ def delay(t: Float, x: Float, d: Float | float) -> Float:
     return np.stack([np.interp(when, t, row) for when, row in zip(at, rows, strict=True)])
 
 
+def lag(t: Float, x: Float, constant: Float | float) -> Float:
+    """Return x behind a filter of first order with a time `constant` T (s): T y' = x - y, from y = x.
+
+    Between two samples x is taken to be what it is at the later one. EffectError for a negative constant.
+    """
+    _not_negative("lag", "the time constant T", constant)
+    steps = np.diff(t) / np.maximum(constant, FORGOTTEN)
+    first = np.zeros((*steps.shape[:-1], 1))
+    keep = np.concatenate([first, np.exp(-steps)], axis=-1) * np.ones(x.shape)
+    y = np.concatenate([first + 1.0, -np.expm1(-steps)], axis=-1) * x
+    reach = 1
+    while reach < y.shape[-1] and keep.any():
+        y[..., reach:] += keep[..., reach:] * y[..., :-reach]
+        keep[..., reach:] *= keep[..., :-reach].copy()
+        keep[keep < FORGOTTEN] = 0.0
+        reach *= 2
+    return np.asarray(y)
+
+
 def ddt(t: Float, x: Float) -> Float:
     """Return dx/dt by parabolas through three neighbours; zero where there is only one sample."""
     if len(t) < 2:
@@ -102,7 +122,9 @@ def slow(t: Float, x: Float, f: Float | float) -> Float:
     return np.interp(t, even, smooth) if uneven else smooth
 
 
-MEMORY: Mapping[str, Callable[..., Float]] = {"play": play, "dahl": dahl, "delay": delay, "slow": slow, "ddt": ddt}
+MEMORY: Mapping[str, Callable[..., Float]] = {
+    "play": play, "dahl": dahl, "delay": delay, "lag": lag, "slow": slow, "ddt": ddt
+}  # fmt: skip
 """Word of the language -> function of (t, x, parameter)."""
 
 

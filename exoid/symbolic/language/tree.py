@@ -21,7 +21,7 @@ FUNCTIONS = {
 }
 """Functions of the language and how many arguments each takes."""
 
-OPERATORS = {"play": 2, "dahl": 2, "delay": 2, "slow": 2, "ddt": 1}
+OPERATORS = {"play": 2, "dahl": 2, "delay": 2, "lag": 2, "slow": 2, "ddt": 1}
 """Words with memory: they need a whole recording, so they are computed in operators.py."""
 
 CONSTANTS = {"pi": 3.141592653589793}

@@ -3,8 +3,8 @@
 Nothing but math.h is needed, nothing is allocated, and there is no static state: effects with memory keep theirs in a
 struct that the caller owns. A sample that is not finite gives a torque that is not finite and is not remembered: every
 operator is held at its last finite argument, so that the next sample is good again. Operators with memory run on the
-controller's own clock: play and dahl step by step, delay through a ring of samples. What looks both ways in the model
-is late: ddt, a backward difference, by half a sample, and slow, a low-pass of first order, by 1 / (2 π f).
+controller's own clock: play, dahl and lag step by step, delay through a ring of samples. What looks both ways in the
+model is late: ddt, a backward difference, by half a sample, and slow, a low-pass of first order, by 1 / (2 π f).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from exoid.workbench.identified import ExportedOperator, ExportError, Options, R
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
 
-NEEDS_CLOCK = frozenset(("delay", "slow", "ddt"))
+NEEDS_CLOCK = frozenset(("delay", "lag", "slow", "ddt"))
 
 
 def write(ready: Ready, options: Options) -> dict[str, str]:
@@ -307,8 +307,9 @@ def _step(k: int, memory: ExportedOperator, options: Options) -> list[str]:
             f"  memory{k} = {own};",
         ]
     assert p is not None
-    if memory.operator == "slow":
-        share = -math.expm1(-2.0 * math.pi * p * options.sample_time)
+    if memory.operator in ("lag", "slow"):
+        rate = 2.0 * math.pi * p if memory.operator == "slow" else 1.0 / max(p, 1e-30)
+        share = -math.expm1(-rate * options.sample_time)
         return [
             f"  {own} = state->started ? {own} + {share!r} * (x{k} - {own}) : x{k};",
             f"  memory{k} = {own};",

@@ -63,6 +63,14 @@ def delay(t, x, d):
     """Return x (N,) as it was d seconds before; the values at the edges are held."""
     return np.interp(t - d, t, x)
 ''',
+    "lag": '''
+def lag(t, x, T):
+    """Return what a filter of first order with a time constant of T s makes of x (N,)."""
+    out = np.array(x, dtype=float)
+    for k, share in enumerate(-np.expm1(-np.diff(t) / max(T, 1e-30)), start=1):
+        out[k] = out[k - 1] + share * (x[k] - out[k - 1])
+    return out
+''',
     "slow": '''
 def slow(t, x, f):
     """Return x (N,) smoothed by a Gaussian that halves the power at f Hz."""

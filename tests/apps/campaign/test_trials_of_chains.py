@@ -8,11 +8,10 @@ import pytest
 from exoid.apps.campaign.trials.cases import Case, cases, hide, simulated, singles, subject, visible
 from exoid.apps.campaign.trials.chains import CHAINS
 from exoid.apps.campaign.trials.count import HEADS, counted, describe_miss
-from exoid.diagnosis.doubts import doubts_before
+from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.library import Library, build_library
-from exoid.diagnosis.question import most_explained
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.forward import forward
@@ -124,16 +123,8 @@ def test_friction_that_builds_up_slowly_is_no_late_torque():
     case = Case.named("drive/hysteresis:axis/900")
     rng = np.random.default_rng(case.number)
     model, machine = subject(case, rng)
-    runs = simulated(case, model, machine, rng)[1][:2]
-    prepared = prepare(model, [run.recording for run in runs])
-    fitted = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
-    late = doubts_before(fitted)
-    assert late is not None and "after the motion" in late.sentence
-    library = build_library(model, prepared.all, ())
-    found = most_explained(SearchContext(prepared, library, 0, rules=RULES), fitted)
-    assert 1.0 - found < 0.5 * late.share
-    assert doubts_before(fitted, explained=lambda: found) is None
-    assert doubts_before(fitted, explained=lambda: 1.0 - 1.1 * late.share) == late
+    runs = [run.recording for run in simulated(case, model, machine, rng)[1]]
+    assert discover(model, runs[:2], runs[2:]).verdict == "missing"
 
 
 def test_columns_in_other_units_count_beside_each_other():
