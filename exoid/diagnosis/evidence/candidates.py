@@ -58,6 +58,11 @@ class Candidate:
         return self.term.name
 
     @property
+    def reads_torque(self) -> bool:
+        """True if it is no effect, but another reading of a torque."""
+        return self.change and self.term.effect.family == "reading"
+
+    @property
     def change(self) -> bool:
         """True if its single column is the change of the model's torque at a value of its number."""
         return not self.tangent and not self.term.effect.coefficients

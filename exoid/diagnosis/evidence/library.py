@@ -46,6 +46,11 @@ class Library:
         """The candidates, in the order of the catalogue."""
         return tuple(self._own.get(entry.name, entry) for entry in self.entries)
 
+    @property
+    def effects(self) -> tuple[Candidate, ...]:
+        """The candidates without other readings of torques, which are a question of their own."""
+        return tuple(candidate for candidate in self.candidates if not candidate.reads_torque)
+
     def narrow(self, name: str, nodes: Float) -> None:
         """From now on let the candidate called `name` have these nodes (R, V, S) alone."""
         self._own[name] = replace(self.find(name), nodes=nodes)

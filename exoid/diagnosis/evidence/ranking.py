@@ -36,7 +36,9 @@ def rank(
     todo = [c for c in library.candidates if c.name not in present]
     scores, columns = weigh_all(evidence, library, fitted, todo, lambda done, text: tick(0.6 * done, text))
     scores = agreed(evidence, ascending(scores, lambda s: -s.share, 1.0), columns, fitted)
-    promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
+    eligible = [s for s in scores if s.eligible]
+    promising = [s for s in eligible if not s.candidate.reads_torque][: evidence.rules.placebo_for]
+    promising += [s for s in eligible if s.candidate.reads_torque]
     tested = with_chance(evidence, promising, columns, lambda done, text: tick(0.6 + 0.4 * done, text))
     known = {s.name: s for s in tested}
     return mark_significant([known.get(s.name, s) for s in scores], evidence.rules.level)
@@ -109,11 +111,11 @@ def _outvoted(evidence: Evidence, score: Score) -> bool:
 
 
 def mark_significant(scores: Sequence[Score], rate: float) -> list[Score]:
-    """Benjamini-Hochberg over the whole catalogue; candidates without a placebo run count with p = 1.
+    """Benjamini-Hochberg over the effects of the whole catalogue; candidates without a placebo run count with p = 1.
 
     SciPy has it too, in a part whose import takes as long as the rest of the start.
     """
-    total = len(scores)
+    total = sum(not score.candidate.reads_torque for score in scores)
     values = sorted(s.p_value for s in scores if s.p_value is not None)
     passed = [p for k, p in enumerate(values, start=1) if p <= rate * k / total]
     limit = max(passed, default=0.0)

@@ -126,7 +126,10 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
+    joint_share = min(1.0, share / portion) if (portion := evidence.portion(columns[0].joints)) else 0.0
     helps = share >= rules.least_share and (unseen is None or unseen >= rules.least_share)
+    if candidate.reads_torque:  # one that is misread leaves much
+        helps = helps and joint_share >= rules.little
     steady = harmless(rules, gain.folds[:, 0])
     return Score(
         candidate,
@@ -139,7 +142,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         helps,
         steady=steady,
         caution=text,
-        joint_share=min(1.0, share / portion) if (portion := evidence.portion(columns[0].joints)) else 0.0,
+        joint_share=joint_share,
     )
 
 

@@ -18,6 +18,7 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise, noise_share
+from exoid.diagnosis.readings import reading_objection
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
 from exoid.diagnosis.search.context import FEW, LEADING, SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined
@@ -55,20 +56,29 @@ def choose(
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
         # That something is missing is certain, the question is what; whatever is chosen must beat its own placebos too.
         # What does not may resemble itself when it is shifted, as what hardly varies does: it stays a look-alike.
-        rivals = [s for s in scores if s.eligible and s.name not in banned and s is not good[0]]
+        rivals = [s for s in scores if s.eligible and s.name not in banned and _is_compared(s, good[0])]
         wanted = [good[0], *(s for s in rivals if s.share >= context.rules.half * good[0].share)]
         near, alike = shortlist(context, extension, evidence, wanted, known)
         if failed.issuperset(s.name for s in near):  # what comes near them does not come near what is left
             rest = [s for s in wanted if s.name not in failed]
             near, alike = shortlist(context, extension, evidence, rest, known)
         found = refitted(context, extension, evidence, near, alike, failed)
-        chosen = next(s for s in near if s.name not in failed)
-        if found is not None and found.added is not None:
-            chosen = found.added
-            if chosen.significant or context.sure(context.tested(extension, chosen)):
-                return Choice(found, failed)
+        chosen = next(s for s in near if s.name not in failed) if found is None else found.added
+        assert chosen is not None
+        if good[0].candidate.reads_torque and chosen.name != good[0].name:
+            chosen = good[0]  # effects are compared among themselves
+        elif found is not None and (chosen.significant or context.sure(context.tested(extension, chosen))):
+            return Choice(found, failed)
         failed |= {chosen.name}
     return Choice(None, failed)
+
+
+def _is_compared(rival: Score, best: Score) -> bool:
+    """True if a rival is compared with the best candidate: a torque read otherwise with one, or with an effect that
+    changes the same torque as a whole, too; it takes no place from other effects.
+    """
+    alike = best.candidate.change and rival.candidate.joints == best.candidate.joints
+    return rival is not best and (alike or not rival.candidate.reads_torque)
 
 
 def plainer_together(
@@ -189,8 +199,8 @@ def _refits(
 ) -> tuple[list[tuple[Score, Extension]], set[str]]:
     """Return the rivals that help after a refit and are not in doubt, and the names of those that are no look-alikes.
 
-    What fits only with its shape on a bound is something else; a number that is a size alone may be merely large. And
-    what the interval of every number says may be absent explains nothing in its place.
+    What fits only with its shape on a bound is something else; a number that is a size alone may be merely large. What
+    the interval of every number says may be absent explains nothing in its place, nor does a reading that is refused.
     """
     rules = context.rules
     refits = [(score, context.with_term(extension, score)) for score in rivals]
@@ -199,6 +209,7 @@ def _refits(
         for score, found in refits
         if (not score.candidate.tangent and on_bound(found.fitted, score.name, rules))
         or undetermined(found.fitted, score.name)
+        or reading_objection(found.fitted.fit, score.name, extension.explained(found, rules), rules)
     }
     helping = [
         (score, found)

@@ -181,7 +181,7 @@ class SearchContext:
 
     def _draws(self) -> int:
         """Number of placebos of a candidate: enough that one among so many candidates can be significant."""
-        wanted = RESOLUTION * len(self.library.candidates) / self.rules.level
+        wanted = RESOLUTION * len(self.library.effects) / self.rules.level
         return max(self.rules.placebos, math.ceil(wanted))
 
     def weighed(self, extension: Extension, evidence: Evidence, candidate: Candidate) -> Score:

@@ -34,7 +34,8 @@ def exchange(context: SearchContext, state: State) -> State:
         rivals = (context.library.find(name) for name in _rivals(context, score) if name not in taken)
         # What holds another accepted term, as a spring an offset, would stand for both.
         known = {s.candidate.joints for s in state.accepted if s.candidate.numbers == 1}
-        apart = [r for r in rivals if not (_made_of(r, known) or _holds_any(context, without, evidence, r))]
+        effects = [rival for rival in rivals if not rival.reads_torque]
+        apart = [r for r in effects if not (_made_of(r, known) or _holds_any(context, without, evidence, r))]
         wanted = [score.name, *(rival.name for rival in apart)]
         weighed = [context.weighed(without, evidence, context.library.find(name)) for name in wanted]
         helping = [s for s in context.agreed(without, evidence, weighed) if s.eligible]

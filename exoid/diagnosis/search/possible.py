@@ -96,7 +96,7 @@ def _why_not(context: SearchContext, state: State, score: Score) -> str:
             lost = "its gain is not clear beside how much it scatters over the only recording"
         return _too_few(score, True) or lost
     if not score.significant:
-        chance = "" if score.p_value is None else f", p = {score.p_value:.2g} among {len(context.library.candidates)}"
+        chance = "" if score.p_value is None else f", p = {score.p_value:.2g} among {len(context.library.effects)}"
         return f"the same effect, shifted in time, does as well too often{chance}"
     return "after a refit of everything it explains nothing of unseen motion that is clearly more than chance"
 
