@@ -17,6 +17,7 @@ from exoid.diagnosis.own_numbers.state import Claimed
 from exoid.diagnosis.report.sections.verdict import numbers
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.machine import standard_machine
 from exoid.measurement.bench.simulation import simulate_runs
 from exoid.measurement.logged import Logged
 from exoid.measurement.recording import Recording
@@ -24,8 +25,11 @@ from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic.effect_catalogue import find_effect
 from exoid.symbolic.joints import Joint
-from exoid.symbolic.model import Model
+from exoid.symbolic.model import Model, model_of
 from exoid.symbolic.motion import Motion
+from exoid.symbolic.robot_file import parse_robot
+from exoid.symbolic.spatial_machine import spatial_machine
+from tests.symbolic.arms import arm_text
 
 AXIS = Model("drive", joints=(Joint("axis"),))
 NUMBERS = np.array([0.3, 3.0, 1.2, 0.5])
@@ -640,6 +644,17 @@ def test_an_encoder_of_a_leg_is_no_zero_of_two_torque_sensors():
     found = discover(Model.standard(), runs[:3], runs[3])
     assert found.verdict == "adequate"
     assert told(found) == {"encoder_zero": pytest.approx({"run_2": 0.1}, abs=0.01)}
+
+
+@pytest.mark.slow
+def test_an_encoder_of_an_arm_in_space_is_no_load():
+    arm = model_of(spatial_machine(parse_robot(arm_text(7, 3, ("revolute",) * 3).encode())).model)
+    runs = [one.recording for one in simulate_runs(4, arm, standard_machine(arm), seed=3)]
+    runs[2] = replace(runs[2], q=runs[2].q - np.array([0.0, 0.1, 0.0]))
+    found = discover(arm, runs[:3], runs[3])
+    (own,) = found.of_recordings
+    assert (own.what, own.joint, list(own.values)) == ("encoder_zero", arm.joint_names[1], [runs[2].name])
+    assert own.values[runs[2].name].value == pytest.approx(0.1, abs=0.01)
 
 
 def test_a_torque_of_another_angle_changes_so_with_that():

@@ -1,7 +1,6 @@
 """The zero of an encoder is another one in some recordings, as where it counts from wherever it was switched on.
 
-One that all have is the machine's, and an effect. Asked of machines in a plane: the many columns of an arm in space
-would have to be derived by every angle.
+One that all have is the machine's, and an effect.
 """
 
 from __future__ import annotations
@@ -19,10 +18,9 @@ MOST = 0.3
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another zero of the encoder of each joint that turns, in some recordings."""
-    joints = () if model.spatial else model.joints
     return tuple(
         Claim("encoder_zero", joint.name, "rad", partial(_by_angle, k), (-MOST, MOST), factor=True, turns=k)
-        for k, joint in enumerate(joints)
+        for k, joint in enumerate(model.joints)
         if joint.turns
     )
 
