@@ -185,10 +185,10 @@ def test_one_among_the_entries_of_a_large_machine_can_be_significant():
     from exoid.diagnosis.search.context import SearchContext
 
     for count in (56, 95, 300):
-        context = SimpleNamespace(library=SimpleNamespace(candidates=[None] * count), rules=RULES)
+        context = SimpleNamespace(library=SimpleNamespace(effects=[None] * count), rules=RULES)
         draws = SearchContext._draws(context)
         assert draws >= RULES.placebos and 1 / (1 + draws) < RULES.level / count
-    assert SearchContext._draws(SimpleNamespace(library=SimpleNamespace(candidates=[None] * 56), rules=RULES)) == 1499
+    assert SearchContext._draws(SimpleNamespace(library=SimpleNamespace(effects=[None] * 56), rules=RULES)) == 1499
 
 
 def test_a_column_of_rounding_has_no_part_in_an_inverse():

@@ -12,6 +12,7 @@ from functools import cache
 from types import ModuleType
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.hypotheses import listed
 from exoid.diagnosis.rules import Rules
 from exoid.ground.folder import modules_in
 from exoid.optimisation.fitting.fit import Fit
@@ -56,7 +57,8 @@ def reading_said(name: str) -> str:
 def reading_doubt(fit: Fit, names: Iterable[str]) -> Doubt | None:
     """Doubt where readings are among the terms called `names`, by a fit in which they are; None where none is."""
     by_module: dict[ModuleType, list[str]] = {}
-    for name in filter(is_reading, names):
+    places = ["", *fit.model.joint_names]
+    for name in sorted(filter(is_reading, names), key=lambda name: places.index(name.partition(":")[2])):
         by_module.setdefault(_of(name), []).append(name)
     found: list[Doubt] = [module.what_is_wrong(fit, some) for module, some in by_module.items()]
     if not found:
@@ -93,6 +95,6 @@ def wrong_torques(logged: Mapping[str, str], remedy: str) -> Doubt:
     joints: dict[str, list[str]] = {}
     for name, what in logged.items():
         joints.setdefault(what, []).append(name.partition(":")[2])
-    sentences = [(SEVERAL if own[1:] else ALONE).format(" and ".join(own), what) for what, own in joints.items()]
+    sentences = [(SEVERAL if own[1:] else ALONE).format(listed(own), what) for what, own in joints.items()]
     rule = "another reading of torques explains more than every entry of the catalogue, and more than its own placebos"
     return Doubt(rule, " ".join(sentences), remedy)
