@@ -94,7 +94,6 @@ def _switches() -> Iterator[Switch]:
     yield Switch("evidence.soft_drive", "soft_drive", _says(None))
     yield Switch("evidence.own_sway", "own_sway", _says(None))
     yield Switch("evidence.swinging", "swinging", _says(None))
-    yield Switch("evidence.timing", "filtered", _says(None))
     yield Switch("evidence.apart", "odd_ones", _says(()))
     yield Switch("evidence.intermittent", "intermittent", _says(None))
     for name in names_in(doubts):

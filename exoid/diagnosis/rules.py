@@ -90,8 +90,8 @@ class Rules:
         PARTS,
         0.8,
         "part that is nearly all: of the splits for one that agrees, of a curve for the term that it does not replace, "
-        "of a delay for the filter that it may be: a verdict that depends on the split, a true term lost beside errors "
-        "of the model",
+        "of an error for a torque misread in little motion: a verdict that depends on the split, a true term lost "
+        "beside errors of the model",
     )
     practically: float = _rule(
         PARTS, 0.98, "part of the gain with which a simpler rival ties: what linearising loses would decide"

@@ -130,6 +130,22 @@ def test_torque_behind_a_filter(good, hertz):
     assert float(found.sentence.split(" Hz")[0].rsplit(" ", 1)[1]) == pytest.approx(hertz, rel=0.15)
 
 
+@pytest.mark.xfail(strict=True, reason="spikes before the filter are smeared: what is left follows nothing")
+@pytest.mark.parametrize("hertz", [1.0, 2.0])
+def test_torque_with_spikes_behind_a_slow_filter(good, hertz):
+    rng = np.random.default_rng(4)
+    pole = np.exp(-2.0 * np.pi * hertz / 100.0)
+
+    def slow(one):
+        spikes = 30.0 * rng.normal(size=one.tau.shape) * (rng.random(one.tau.shape) < 0.01)  # smeared by the filter
+        tau = one.tau + spikes
+        filtered, _ = lfilter([1.0 - pole], [1.0, -pole], tau, axis=0, zi=pole * tau[:1])
+        return with_torque(one, filtered)
+
+    found = found_in([slow(one) for one in good])
+    assert found.verdict == "check_channels" and "filter of first order" in found.sentence
+
+
 def test_one_late_channel_is_told_from_a_late_logger(good):
     def late(one):
         return with_torque(one, np.column_stack([one.tau[:, 0], np.roll(one.tau[:, 1], round(0.3 * one.rate))]))

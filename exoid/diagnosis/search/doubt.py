@@ -59,7 +59,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
 
 
 def too_little_motion(before: Extension, after: Extension, rules: Rules) -> str:
-    """Return that the fitted motion is too little for anything to be accepted, but a reading that explains nearly all.
+    """Objection to anything but a reading that explains nearly all, where the fitted motion is too little; "" for none.
     """
     if after.added is None or (is_reading(after.added.name) and before.explained(after, rules) >= rules.most):
         return ""

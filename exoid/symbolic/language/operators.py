@@ -55,12 +55,7 @@ def dahl(t: Float, x: Float, sigma: Float | float) -> Float:
     path = sigma * np.abs(step)
     keep = np.exp(-path)
     z = -np.sign(step) * np.expm1(-path)
-    reach = 1
-    while reach < z.shape[-1] and keep.any():
-        z[..., reach:] += keep[..., reach:] * z[..., :-reach]
-        keep[..., reach:] *= keep[..., :-reach].copy()
-        keep[keep < FORGOTTEN] = 0.0
-        reach *= 2
+    _accumulate(z, keep)
     return np.concatenate([np.zeros((*z.shape[:-1], 1)), z], axis=-1)
 
 
@@ -82,12 +77,7 @@ def lag(t: Float, x: Float, constant: Float | float) -> Float:
     first = np.zeros((*steps.shape[:-1], 1))
     keep = np.concatenate([first, np.exp(-steps)], axis=-1) * np.ones(x.shape)
     y = np.concatenate([first + 1.0, -np.expm1(-steps)], axis=-1) * x
-    reach = 1
-    while reach < y.shape[-1] and keep.any():
-        y[..., reach:] += keep[..., reach:] * y[..., :-reach]
-        keep[..., reach:] *= keep[..., :-reach].copy()
-        keep[keep < FORGOTTEN] = 0.0
-        reach *= 2
+    _accumulate(y, keep)
     return np.asarray(y)
 
 
@@ -126,6 +116,16 @@ MEMORY: Mapping[str, Callable[..., Float]] = {
     "play": play, "dahl": dahl, "delay": delay, "lag": lag, "slow": slow, "ddt": ddt
 }  # fmt: skip
 """Word of the language -> function of (t, x, parameter)."""
+
+
+def _accumulate(state: Float, keep: Float) -> None:
+    """Add to each entry of `state` (..., N), in place, the one before it times the part of that which `keep` says."""
+    reach = 1
+    while reach < state.shape[-1] and keep.any():
+        state[..., reach:] += keep[..., reach:] * state[..., :-reach]
+        keep[..., reach:] *= keep[..., :-reach].copy()
+        keep[keep < FORGOTTEN] = 0.0
+        reach *= 2
 
 
 def _not_negative(word: str, what: str, value: Float | float) -> None:

@@ -65,7 +65,7 @@ def delay(t, x, d):
 ''',
     "lag": '''
 def lag(t, x, T):
-    """Return what a filter of first order with a time constant of T s makes of x (N,)."""
+    """Return x (N,) behind a filter of first order with a time constant of T s."""
     out = np.array(x, dtype=float)
     for k, share in enumerate(-np.expm1(-np.diff(t) / max(T, 1e-30)), start=1):
         out[k] = out[k - 1] + share * (x[k] - out[k - 1])
