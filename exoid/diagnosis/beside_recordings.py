@@ -232,9 +232,7 @@ def _with_own(
     return kept
 
 
-def _belonging_beside(
-    last: FittedModel, rules: Rules, changed: Cuts = UNCUT, ways: int = WAYS
-) -> OwnNumbers | None:
+def _belonging_beside(last: FittedModel, rules: Rules, changed: Cuts = UNCUT, ways: int = WAYS) -> OwnNumbers | None:
     """Numbers that belong to recordings, some of which `changed`, beside a model that was found, without its effects
     that do no more than these, which stay `needless`.
     """
@@ -261,5 +259,5 @@ def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> I
     plain = [suspect for suspect in near if not known[suspect.name].term.effect.has_own_numbers]
     nearest = ascending(plain, lambda suspect: -suspect.explained_share, 1.0)[:NEAREST]
     for suspect in nearest:
-        scores = context.all_weighed(start, context.evidence(start, draws=0), [known[suspect.name]])
-        yield _common(fitted_on(context.with_term(start, scores[0]).fitted.fit, given), [suspect.name])
+        score = context.weighed(start, context.evidence(start, draws=0), known[suspect.name])
+        yield _common(fitted_on(context.with_term(start, score).fitted.fit, given), [suspect.name])

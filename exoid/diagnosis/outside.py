@@ -87,4 +87,3 @@ def _where(force: Force, at: float, place: Estimate | None) -> str:
         return f"along {axes} axes, at ({x:.3g}, {y:.3g}, {z:.3g}) m in the frame of {force.link}"
     ends = "" if place is None else f" ({place.low:.3g} to {place.high:.3g})"
     return f"{way}, {at:.3g} m{ends} along the link after the {force.link}"
-

@@ -72,6 +72,4 @@ class DiscoverySettings(DiagnosisSettings):
         searched = min(rules.searched_seconds, max(rules.least_searched, less**2 * rules.searched_seconds))
         whole = rules.whole_seconds * searched / rules.searched_seconds
         stretch = less * rules.stretch_seconds
-        return replace(
-            rules, most_terms=most, whole_seconds=whole, searched_seconds=searched, stretch_seconds=stretch
-        )
+        return replace(rules, most_terms=most, whole_seconds=whole, searched_seconds=searched, stretch_seconds=stretch)

@@ -9,17 +9,15 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
+from exoid.diagnosis.evidence.look_alikes import refine
 from exoid.diagnosis.machine_answer import settle
 from exoid.diagnosis.question import Searched
 from exoid.diagnosis.search import choice
 from exoid.diagnosis.search import take_back as module
 from exoid.diagnosis.search.choice import contains
 from exoid.diagnosis.search.doubt import refuted
-from exoid.diagnosis.search.drop_unsteady import drop_unsteady
-from exoid.diagnosis.search.engine import Found, run_search
+from exoid.diagnosis.search.engine import Found, drop_unsteady, forward, prune, run_search
 from exoid.diagnosis.search.exchange import exchange
-from exoid.diagnosis.search.forward import forward
-from exoid.diagnosis.search.prune import prune
 from exoid.diagnosis.search.take_back import take_back
 from exoid.symbolic.model import Model
 
@@ -191,7 +189,7 @@ def test_a_drift_and_a_spring_contain_an_offset_and_friction_does_not():
     assert contains(context, start, evidence, drift.candidate, offset)
     assert contains(context, start, evidence, spring.candidate, offset)
     assert not contains(context, start, evidence, friction.candidate, offset)
-    refined, _ = context.refined(evidence, start, drift)
+    refined, _ = refine(evidence, drift, start.fitted)
     assert refined.candidate.nodes.shape[1] == 1
     assert contains(context, start, evidence, refined.candidate, offset)
     found = forward(context, state_with(context))

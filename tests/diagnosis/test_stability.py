@@ -13,6 +13,7 @@ from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.enough_motion import fitted_seconds, little_motion
 from exoid.diagnosis.evidence.gain import robust_weight
+from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.model_error import noise_with
 from exoid.diagnosis.evidence.repeats import Repeats
 from exoid.diagnosis.evidence.stability import Splits, splits_of
@@ -56,7 +57,7 @@ def test_a_split_is_a_refit_without_the_recordings_set_aside():
     start = state_with(context).last
     evidence = context.evidence(start, draws=0)
     score = context.weighed(start, evidence, context.library.find("torque_offset:knee"))
-    columns = context.columns_of(score, start.fitted)
+    columns = columns_at(score.candidate, score.shape, start.fitted)
     agreement = Splits(evidence).candidate(score, columns)
     values = []
     for aside in range(4):
@@ -99,7 +100,7 @@ def test_a_candidate_of_a_single_recording_is_not_asked_of_splits():
     start = state_with(context).last
     evidence = context.evidence(start, draws=0)
     score = context.weighed(start, evidence, context.library.find("torque_offset:knee"))
-    assert Splits(evidence).candidate(score, context.columns_of(score, start.fitted)) == Agreement()
+    assert Splits(evidence).candidate(score, columns_at(score.candidate, score.shape, start.fitted)) == Agreement()
 
 
 @pytest.mark.parametrize(
@@ -118,7 +119,7 @@ def test_two_recordings_do_not_veto_what_nearly_all_splits_of_eight_support():
     (score,) = context.rank(start, 1)[1]
     assert score.unseen < 0.0 and score.eligible and score.repeats(RULES)
     found = run_search(context, start).state
-    assert found.names == (name,) and context.unseen_gain(start, found.last) < 0.0
+    assert found.names == (name,) and start.unseen_gain(found.last, context.rules) < 0.0
     few = replace(context, rules=replace(context.rules, many_recordings=9), ranked={}, refits={}, doubts={})
     assert run_search(few, start).state.names == ()
     lost = search(OFFSET, [name], scales=(*loud, -0.4, -0.4), verify=2)

@@ -117,7 +117,7 @@ def test_what_leads_the_suspects_and_is_not_accepted_has_its_reason():
     context = search({"torque_offset:knee": ([1.0], [])}, BOTH)
     state = state_with(context)
     _, first = context.rank(state.last, 1)
-    context.note_doubt(state.last, "torque_offset:knee", "what acts from outside is larger")
+    context.doubts[context.key(state.last), "torque_offset:knee"] = doubts.Objection("what acts from outside is larger")
     before = state.last.fitted.evaluation_rms
     found = leading_of(context, state, first, before)
     assert found.name == "torque_offset:knee" and found.reason == "what acts from outside is larger"
@@ -137,7 +137,8 @@ def test_what_was_refused_before_another_effect_came_is_still_possible_with_its_
     numbers = {"torque_offset:knee": ([1.0], []), "torque_offset:hip": ([1.0], [])}
     context = search(numbers, BOTH)
     state = state_with(context, "torque_offset:hip")
-    context.note_doubt(state.extensions[0], "torque_offset:knee", "held-out motion does not have it")
+    reason = doubts.Objection("held-out motion does not have it")
+    context.doubts[context.key(state.extensions[0]), "torque_offset:knee"] = reason
     context.rank(state.last, 2)
     (found,) = possible_of(context, state, True)
     assert found.name == "torque_offset:knee" and found.reason == "held-out motion does not have it"

@@ -158,9 +158,7 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
     return pieces
 
 
-def moving(
-    what: str, unit: str, when: Callable[[Seen], Float], most: float, shown: tuple[float, str]
-) -> Claim:
+def moving(what: str, unit: str, when: Callable[[Seen], Float], most: float, shown: tuple[float, str]) -> Claim:
     """Claim that all torques are those of other times (K,), by a number of at most `most`."""
     pieces, bounds = partial(_moved, when), (-most, most)
     return Claim(what, None, unit, pieces, bounds, factor=True, moves=when, mix=_first, shown=shown)

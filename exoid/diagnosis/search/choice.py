@@ -6,7 +6,7 @@ What noise of the angles makes is no effect.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from statistics import NormalDist
 
 import numpy as np
@@ -15,7 +15,7 @@ from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes
+from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes, refine
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise, noise_share
 from exoid.diagnosis.readings import reading_objection
@@ -27,29 +27,17 @@ from exoid.ground.ties import ascending, least_of
 
 Refined = tuple[Score, list[Columns]]
 """A score at refined shape values, and its columns there."""
-
-
 OVER_NOISE = 2.0
 """Times the loss that noise makes, the most that a candidate may gain from it: all of it, and as much again where a fit
 is worse."""
 
 
-@dataclass(frozen=True, eq=False)
-class Choice:
-    """The extension with the best candidate, or None; `failed` are candidates that led and did not outlive a refit."""
-
-    found: Extension | None
-    failed: frozenset[str] = frozenset()
-
-
 def choose(
-    context: SearchContext,
-    extension: Extension,
-    evidence: Evidence,
-    scores: Sequence[Score],
-    banned: frozenset[str],
-) -> Choice:
-    """Return the model with the best candidate that really helps after a full refit."""
+    context: SearchContext, extension: Extension, evidence: Evidence, scores: Sequence[Score], banned: frozenset[str]
+) -> tuple[Extension | None, frozenset[str]]:
+    """Return the model with the best candidate that really helps after a full refit, or None, and the names of those
+    that led and did not outlive one.
+    """
     failed: frozenset[str] = frozenset()
     known: dict[str, Refined] = {}
     banned = banned | plainer_together(context, extension, evidence, scores)
@@ -63,14 +51,13 @@ def choose(
             rest = [s for s in wanted if s.name not in failed]
             near, alike = shortlist(context, extension, evidence, rest, known)
         found = refitted(context, extension, evidence, near, alike, failed)
-        chosen = next(s for s in near if s.name not in failed) if found is None else found.added
-        assert chosen is not None
+        chosen = next(s for s in near if s.name not in failed) if found is None else found.score
         if good[0].candidate.reads_torque and chosen.name != good[0].name:
             chosen = good[0]  # effects are compared among themselves
         elif found is not None and (chosen.significant or context.sure(context.tested(extension, chosen))):
-            return Choice(found, failed)
+            return found, failed
         failed |= {chosen.name}
-    return Choice(None, failed)
+    return None, failed
 
 
 def _is_compared(rival: Score, best: Score) -> bool:
@@ -109,14 +96,13 @@ def shortlist(
     extension: Extension,
     evidence: Evidence,
     scores: Sequence[Score],
-    known: dict[str, Refined] | None = None,
+    known: dict[str, Refined],
 ) -> tuple[list[Score], Collection[str]]:
     """Refine the shape values of `scores`; return those worth a refit, best first, and the look-alikes of the best.
 
     `known` are those refined before, and are added to.
     """
-    known = {} if known is None else known
-    known |= {s.name: context.refined(evidence, extension, s) for s in scores if s.name not in known}
+    known |= {s.name: refine(evidence, s, extension.fitted) for s in scores if s.name not in known}
     refined = [known[s.name] for s in scores]
     # Of two with the same torque the plainer comes first.
     refined = ascending(sorted(refined, key=lambda pair: _plainness(pair[0])), lambda pair: -pair[0].share, 1.0)
@@ -215,7 +201,7 @@ def _refits(
         (score, found)
         for score, found in refits
         if not context.doubt(extension, found)  # first: what speaks against it is told
-        and (context.unseen_gain(extension, found) >= rules.least_share or extension.outvotes(found, rules))
+        and (extension.unseen_gain(found, rules) >= rules.least_share or extension.outvotes(found, rules))
     ]
     return helping, elsewhere
 

@@ -10,6 +10,7 @@ import numpy as np
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.state import Extension
@@ -80,7 +81,7 @@ def is_within(context: SearchContext, extension: Extension, evidence: Evidence, 
     the other numbers show on no motion of this machine.
     """
     (_, beside), columns = _beside(evidence), context.library.columns(rival, extension.fitted)
-    _, own = beside.samples(context.columns_of(plain, extension.fitted), 0)
+    _, own = beside.samples(columns_at(plain.candidate, plain.shape, extension.fitted), 0)
     for node in range(rival.nodes.shape[1]):
         whole, new = beside.samples(columns, node)
         rest = new - own @ np.linalg.lstsq(own, new, rcond=1e-9)[0]
@@ -105,7 +106,7 @@ def contains(
     limit = evidence.rules.negligible if limit is None else limit
     rival = context.library.find(rival.name)  # with all its nodes, also where one of them was refined
     (first, beside), columns = _beside(evidence), context.library.columns(rival, extension.fitted)
-    wanted, numbers = context.columns_of(plain, extension.fitted), np.asarray(plain.coefficients)
+    wanted, numbers = columns_at(plain.candidate, plain.shape, extension.fitted), np.asarray(plain.coefficients)
     torque = beside.samples(wanted, 0)[1] @ numbers
     nodes, whole = rival.nodes, np.sum(torque**2)
     ends = (nodes == nodes.min(axis=1, keepdims=True)) | (nodes == nodes.max(axis=1, keepdims=True))

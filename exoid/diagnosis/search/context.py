@@ -9,15 +9,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
-from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pay, shapes_from
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
-from exoid.diagnosis.evidence.look_alikes import columns_at, refine
+from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.model_error import noise_with
 from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
 from exoid.diagnosis.evidence.own_sway import own_sway
-from exoid.diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chance
+from exoid.diagnosis.evidence.ranking import agreed, rank, with_chance
 from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.simulated import made_by_itself
@@ -42,10 +41,6 @@ RESOLUTION = 1.2
 """How much finer than the strictest p-value of a ranking its placebos resolve."""
 
 
-def unheard(state: State) -> None:
-    """Hear of a longer state and do nothing."""
-
-
 @dataclass(eq=False)
 class SearchContext:
     """Recordings, candidates, seed and thresholds of one search, and what it has found out so far."""
@@ -55,7 +50,7 @@ class SearchContext:
     seed: int = 0
     tick: Progress = silent
     rules: Rules = RULES
-    grown: Callable[[State], None] = unheard
+    grown: Callable[[State], None] | None = None
     """Called with the state whenever a term was added."""
     ranked: dict[tuple[str, ...], Ranked] = field(default_factory=dict)
     """What was found against a model with these terms, for when the search comes back to it."""
@@ -67,10 +62,8 @@ class SearchContext:
     """A model with these terms fitted from these shapes: moves take the same terms out again and again."""
     noises: dict[tuple[str, ...], Float] = field(default_factory=dict)
     """The noise (J,) N·m beside a model with these terms."""
-
     own: dict[tuple[str, ...], tuple[FittedModel, ...]] = field(default_factory=dict)
     """The model with these terms on recordings that it made itself: of the one asked last, since those are large."""
-
     settled: set[tuple[str, str, frozenset[str]]] = field(default_factory=set)
     """Moves that changed nothing about a term, with the names of the terms at its joints then."""
 
@@ -97,14 +90,11 @@ class SearchContext:
         """Return the refit; a place that may move between recordings is one, unless a place in each pays."""
         if not score.candidate.term.may_move:
             return self._refitted(extension, score, own_places=False)
-        once = self._refitted(extension, self._at_one_place(extension, score), own_places=False)
+        candidate = self.library.find(score.name).at_one_place
+        fixed = self.weighed(extension, self.evidence(extension, draws=0), candidate)
+        once = self._refitted(extension, fixed, own_places=False)
         each = self._refitted(extension, score, own_places=True)
         return each if places_pay(once.fitted, each.fitted, self.rules) else once
-
-    def _at_one_place(self, extension: Extension, score: Score) -> Score:
-        """Return the score of a candidate at the best place that is the same in all recordings."""
-        candidate = self.library.find(score.name)
-        return self.weighed(extension, self.evidence(extension, draws=0), candidate.at_one_place)
 
     def _refitted(self, extension: Extension, score: Score, *, own_places: bool) -> Extension:
         before, term = extension.fitted, score.candidate.term
@@ -129,11 +119,10 @@ class SearchContext:
         Their old order may not do: a term can be worth nothing before another has come.
         """
         out = [state.extensions[0]]
-        waiting = [e for e in state.extensions if e.added is not None and e.added.name in names]
+        waiting = [e for e in state.extensions[1:] if e.score.name in names]
         while waiting:
-            leading = self._leading(out[-1], waiting)
-            tried = [(self.with_term(out[-1], e.added), e) for e in leading if e.added is not None]
-            found, old = least_of(tried, lambda pair: -self.unseen_gain(out[-1], pair[0]), 1.0)
+            tried = [(self.with_term(out[-1], e.score), e) for e in self._leading(out[-1], waiting)]
+            found, old = least_of(tried, lambda pair: -out[-1].unseen_gain(pair[0], self.rules), 1.0)
             out.append(replace(found, alike=old.alike, never=old.never))
             waiting = [e for e in waiting if e is not old]
         return state.grown(*out)
@@ -144,15 +133,11 @@ class SearchContext:
             return waiting
         evidence, shares = self.evidence(before, draws=0), []
         for e in waiting:
-            if e.added is not None:
-                candidate = replace(e.added.candidate, nodes=e.added.shape[:, None, :])
-                score = weigh(evidence, candidate, self.columns_of(e.added, before.fitted))
-                shares.append(score.share if score.unseen is None else min(score.share, score.unseen))
+            candidate, shape = e.score.candidate, e.score.shape
+            columns = columns_at(candidate, shape, before.fitted)
+            score = weigh(evidence, replace(candidate, nodes=shape[:, None, :]), columns)
+            shares.append(score.share if score.unseen is None else min(score.share, score.unseen))
         return [waiting[k] for k in order_of(-np.array(shares))[:LEADING]]
-
-    def unseen_gain(self, before: Extension, after: Extension) -> float:
-        """Return the relative fall of the loss on unseen recordings from `before` to `after`."""
-        return before.unseen_gain(after, self.rules)
 
     # -- evidence ---------------------------------------------------------------------------------------------
 
@@ -165,8 +150,8 @@ class SearchContext:
         key = self.key(extension)
         if key not in self.ranked:
             self._notice_sway(extension)
-            low, high = _span(step)
             evidence = self.evidence(extension, self._draws())
+            low, high = (0.9 * (1.0 - 0.55**k) for k in (step - 1, step))  # nobody knows how many steps there will be
             tick = part_of(self.tick, low, high, f"step {step}: ")
             self.ranked[key] = evidence, rank(evidence, self.library, extension.fitted, tick)
             evidence.forget()
@@ -186,11 +171,7 @@ class SearchContext:
 
     def weighed(self, extension: Extension, evidence: Evidence, candidate: Candidate) -> Score:
         """Weigh a candidate against the model of `extension`, without placebos and splits."""
-        return self.all_weighed(extension, evidence, [candidate])[0]
-
-    def all_weighed(self, extension: Extension, evidence: Evidence, candidates: Sequence[Candidate]) -> list[Score]:
-        """Weigh several candidates so."""
-        return weigh_all(evidence, self.library, extension.fitted, candidates)[0]
+        return weigh(evidence, candidate, self.library.columns(candidate, extension.fitted))
 
     def agreed(self, extension: Extension, evidence: Evidence, scores: Sequence[Score]) -> list[Score]:
         """Return `scores` with what splits of the recordings say about them."""
@@ -200,15 +181,9 @@ class SearchContext:
     def doubt(self, before: Extension, after: Extension) -> Objection | None:
         """Reason why the term added last must not be accepted, which is kept; None where nothing speaks against."""
         found = doubt(before, after, self.noise(before), self.rules)
-        if found is not None and after.added is not None:
-            self.doubts[self.key(before), after.added.name] = found
+        if found is not None:
+            self.doubts[self.key(before), after.score.name] = found
         return found
-
-    def note_doubt(self, before: Extension, name: str, reason: str) -> bool:
-        """Remember why a candidate must not be accepted, unless `reason` is ""; return whether there is one."""
-        if reason:
-            self.doubts[self.key(before), name] = Objection(reason)
-        return bool(reason)
 
     def noise(self, extension: Extension) -> Float:
         """Return the noise (J,), N·m: what the sensors say or, where the motion repeats, what of the error does not.
@@ -248,22 +223,13 @@ class SearchContext:
         """Weigh the candidate of `score` anew against the model of `extension`, with so many placebos."""
         evidence = self.evidence(extension, draws)
         candidate = self.library.find(score.name)
-        columns = self.library.columns(candidate, extension.fitted)
-        known = {score.name: columns}
-        weighed = [weigh(evidence, candidate, columns)]
+        known = {score.name: self.library.columns(candidate, extension.fitted)}
+        weighed = [weigh(evidence, candidate, known[score.name])]
         return with_chance(evidence, agreed(evidence, weighed, known, extension.fitted), known)[0]
 
     def sure(self, score: Score) -> bool:
         """True if an accepted term that was tested anew beside the others may stay."""
         return score.helps and score.p_value is not None and score.p_value <= self.rules.strict_level
-
-    def refined(self, evidence: Evidence, extension: Extension, score: Score) -> tuple[Score, list[Columns]]:
-        """Return the score at shape values between the nodes, and the columns there."""
-        return refine(evidence, score, extension.fitted)
-
-    def columns_of(self, score: Score, fitted: FittedModel) -> list[Columns]:
-        """Return the columns of a candidate at the shape values of its score, beside the model `fitted`."""
-        return columns_at(score.candidate, score.shape, fitted)
 
 
 def as_fitted(score: Score, extension: Extension) -> Score:
@@ -277,11 +243,6 @@ def as_fitted(score: Score, extension: Extension) -> Score:
     shapes = extension.fitted.shapes[:, own]
     nodes = replace(score.candidate, nodes=shapes[:, None, :])
     return replace(score, candidate=nodes, nodes=np.zeros(len(shapes), dtype=int))
-
-
-def _span(step: int) -> tuple[float, float]:
-    """Return from where to where the progress bar moves in a step; nobody knows how many there will be."""
-    return 0.9 * (1.0 - 0.55 ** (step - 1)), 0.9 * (1.0 - 0.55**step)
 
 
 def _from_tangent(score: Score, count: int) -> Float:

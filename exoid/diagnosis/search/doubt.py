@@ -41,9 +41,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
 
     `floor` (J,) is the noise in N·m, of the sensors or of what does not repeat.
     """
-    if after.added is None:
-        return None
-    name = after.added.name
+    name = after.score.name
     reason = (
         too_little_motion(before, after, rules)
         or on_bound(after.fitted, name, rules)
@@ -59,37 +57,27 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
 
 
 def too_little_motion(before: Extension, after: Extension, rules: Rules) -> str:
-    """Objection to anything but a reading that explains nearly all, where the fitted motion is too little; "" for none.
-    """
-    if after.added is None or (is_reading(after.added.name) and before.explained(after, rules) >= rules.most):
+    """Objection to anything but a reading that explains nearly all, where fitted motion is too little; "" for none."""
+    if is_reading(after.score.name) and before.explained(after, rules) >= rules.most:
         return ""
-    return little_motion(after.fitted.prepared, rules, after.added.candidate.joints)
+    return little_motion(after.fitted.prepared, rules, after.score.candidate.joints)
 
 
 def refuted(extensions: Sequence[Extension], rules: Rules) -> tuple[str, Objection] | None:
     """The term that explains least of those to which the numbers of the last model object, and the objection; None
-    where they object to none. What came later, or other spikes, may have taken its place.
+    where they object to none. What came later, or other spikes, may have taken its place: it then explains nothing,
+    and each of its coefficients may be zero, its shape not known either.
     """
     last, found = extensions[-1].fitted, []
     for before, after in pairwise(extensions):
-        if after.added is None:
-            continue
-        name, share = after.added.name, before.explained(after, rules)
-        reason = on_bound(last, name, rules) or undetermined(last, name) or (_idle(last, name) if share <= 0.0 else "")
+        name, share = after.score.name, before.explained(after, rules)
+        reason = on_bound(last, name, rules) or undetermined(last, name)
+        own = [] if reason or share > 0.0 else _coefficients(last, name)
+        if own and all(map(_around_zero, own)):
+            reason = "it explains nothing, and its numbers may be nothing"
         if reason:
             found.append((share, name, Objection(f"in the last fit, {reason}")))
-    if not found:
-        return None
-    _, name, objection = least_of(found, lambda one: one[0], 1.0)
-    return name, objection
-
-
-def _idle(last: FittedModel, name: str) -> str:
-    """Objection to the term `name` that explains nothing where each of its coefficients may be zero, its shape not
-    known either; "" where one may not.
-    """
-    own = _coefficients(last, name)
-    return "it explains nothing, and its numbers may be nothing" if own and all(map(_around_zero, own)) else ""
+    return least_of(found, lambda item: item[0], 1.0)[1:] if found else None
 
 
 def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
@@ -180,7 +168,7 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     """
     wrong = after.fitted.prepared.filter_error
     taken = np.sqrt(np.maximum(before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2, 0.0))
-    if after.added is not None and after.added.repeats(rules):  # whichever recordings are held out
+    if after.score.repeats(rules):  # whichever recordings are held out
         taken = np.maximum(taken, np.sqrt(np.maximum(before.fitted.train_rms**2 - after.fitted.train_rms**2, 0.0)))
     if np.any(taken > rules.artefact * wrong) or not np.any(wrong > 0.0):
         return ""
@@ -198,7 +186,7 @@ def explains_nothing(before: Extension, after: Extension, rules: Rules) -> str:
     A wrong length may hide in the numbers that were fitted with it and leave next to no error: it is no effect.
     """
     share = before.explained(after, rules)
-    if share >= rules.least_share or after.added is None or is_reading(after.added.name):
+    if share >= rules.least_share or is_reading(after.score.name):
         return ""
     return f"explains {100 * share:.1g} % of the squared error at its own joints, on motion it was not fitted to"
 
@@ -209,11 +197,11 @@ def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
 
     An elastic or late torque shows wherever torque varies, friction at low speed there.
     """
-    if after.added is None or not is_transform(after.added.candidate.term):
+    if not is_transform(after.score.candidate.term):
         return ""
     everywhere, blocks = 0.0, []
     recordings = after.fitted.prepared.all
-    for j in after.added.candidate.term.reaches:
+    for j in after.score.candidate.term.reaches:
         for recording, old, new in zip(recordings, before.fitted.residuals, after.fitted.residuals, strict=True):
             gained = np.where(recording.used[j], old[j] ** 2 - new[j] ** 2, 0.0)
             far = ~widen(recording.stuck[:, j], int(np.ceil(BESIDE * recording.rate)))[recording.kept]
@@ -235,13 +223,9 @@ def less_than_chance(before: Extension, after: Extension, rules: Rules) -> str:
     A person who pushes slowly is alike to any effect for a while, and to shifts in time of it less so; but not in
     nearly all splits of many recordings.
     """
-    added = after.added
-    if added is None or added.agrees(rules):
+    if after.score.agrees(rules) or (again := repeats(after.fitted)) is None:
         return ""
-    again = repeats(after.fitted)
-    if again is None:
-        return ""
-    at, noise = list(added.candidate.joints), sensor_noise(after.fitted.prepared)
+    at, noise = list(after.score.candidate.joints), sensor_noise(after.fitted.prepared)
     taken = np.sqrt(np.maximum(before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2, 0.0))
     if np.any(again.noise[at] <= np.maximum(rules.near_noise * noise, taken)[at]):
         return ""
@@ -258,9 +242,9 @@ def torque_before_motion(before: Extension, after: Extension, floor: Float, rule
 
     Loggers, buses and filters make torque late; early it hardly is, but what swings behind its drive looks so.
     """
-    if after.added is None or after.added.candidate.term.effect.id != DELAY:
+    term = after.score.candidate.term
+    if term.effect.id != DELAY:
         return ""
-    term = after.added.candidate.term
     own = [k for k, entry in enumerate(after.fitted.model.shapes) if entry.term == term.name]
     early = -float(np.median(after.fitted.fit.shapes[:, own]))
     at = list(term.reaches)

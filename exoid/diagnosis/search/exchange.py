@@ -36,30 +36,25 @@ def exchange(context: SearchContext, state: State) -> State:
         known = {s.candidate.joints for s in state.accepted if s.candidate.numbers == 1}
         effects = [rival for rival in rivals if not rival.reads_torque]
         apart = [r for r in effects if not (_made_of(r, known) or _holds_any(context, without, evidence, r))]
-        wanted = [score.name, *(rival.name for rival in apart)]
-        weighed = [context.weighed(without, evidence, context.library.find(name)) for name in wanted]
+        wanted = [context.library.find(score.name), *apart]
+        weighed = [context.weighed(without, evidence, candidate) for candidate in wanted]
         helping = [s for s in context.agreed(without, evidence, weighed) if s.eligible]
         if not helping:
             continue
-        near, alike = shortlist(context, without, evidence, helping)
+        near, alike = shortlist(context, without, evidence, helping, {})
         if [s.name for s in near] == [score.name]:
             state = _relabelled(state, score, (), ())
-            continue
-        if near[0].name == score.name and len(state.accepted) > FEW:  # of so many each that leads linearised stays
+        elif near[0].name == score.name and len(state.accepted) > FEW:  # of so many each that leads linearised stays
             never = next(e.never for e in state.extensions if e.added is score)
             others = [s.name for s in near if s.name in alike and s.candidate.numbers <= score.candidate.numbers]
             state = _relabelled(state, score, tuple(dict.fromkeys([*others, *never])), never)
+        elif (found := refitted(context, without, evidence, near, alike)) is None:
             continue
-        found = refitted(context, without, evidence, near, alike)
-        if found is None or found.added is None:
-            continue
-        if found.added.name == score.name:
+        elif found.score.name == score.name:
             state = _relabelled(state, score, found.alike, found.never)
-            continue
-        again = context.tested(without, found.added)
-        if context.sure(again):
+        elif context.sure(again := context.tested(without, found.score)):
             rest = context.replay(state, [name for name in state.names if name != score.name])
-            state = rest.grown(*rest.extensions, replace(found, added=replace(found.added, p_value=again.p_value)))
+            state = rest.grown(*rest.extensions, replace(found, added=replace(found.score, p_value=again.p_value)))
     return state
 
 
@@ -84,11 +79,8 @@ def _holds_any(context: SearchContext, extension: Extension, evidence: Evidence,
 
 def _relabelled(state: State, score: Score, alike: tuple[str, ...], never: tuple[str, ...]) -> State:
     """Return the state with other look-alikes of an accepted term."""
-
-    def one(e: Extension) -> Extension:
-        return replace(e, alike=alike, never=never) if e.added is score else e
-
-    return state.grown(*map(one, state.extensions))
+    changed = (replace(e, alike=alike, never=never) if e.added is score else e for e in state.extensions)
+    return state.grown(*changed)
 
 
 def _rivals(context: SearchContext, score: Score) -> list[str]:

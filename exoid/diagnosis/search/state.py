@@ -24,6 +24,12 @@ class Extension:
     alike: tuple[str, ...] = ()
     never: tuple[str, ...] = ()
 
+    @property
+    def score(self) -> Score:
+        """The evidence for the term added last, of a model to which one was added."""
+        assert self.added is not None
+        return self.added
+
     def unseen_gain(self, later: Extension, rules: Rules = RULES) -> float:
         """Return the fall of the Huber loss on unseen recordings from here to `later`, as a share of it here.
 
@@ -37,11 +43,9 @@ class Extension:
 
         On the motion that a reader is shown; what repeats over many recordings may lose on those held out here.
         """
-        if later.added is None:
-            return 0.0
-        before, after, at = self.fitted, later.fitted, list(later.added.candidate.joints)
+        before, after, at = self.fitted, later.fitted, list(later.score.candidate.joints)
         share = above_noise(before.evaluation_rms[at], after.evaluation_rms[at])
-        fitted = above_noise(before.train_rms[at], after.train_rms[at]) if later.added.repeats(rules) else 0.0
+        fitted = above_noise(before.train_rms[at], after.train_rms[at]) if later.score.repeats(rules) else 0.0
         return max(share, fitted)
 
     def outvotes(self, later: Extension, rules: Rules = RULES) -> bool:
@@ -49,7 +53,7 @@ class Extension:
 
         In units of torque: quiet recordings that happen to be held out lose next to nothing.
         """
-        if later.added is None or not later.added.repeats(rules):
+        if not later.score.repeats(rules):
             return False
         scale = self.fitted.scale
         unseen = self.fitted.unseen_loss(scale, rules) - later.fitted.unseen_loss(scale, rules)

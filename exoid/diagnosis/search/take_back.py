@@ -1,5 +1,4 @@
-"""Take back: accepted terms that a curve without physics clearly beats were only the nearest thing in the catalogue.
-"""
+"""Take back: accepted terms that a curve without physics clearly beats were only the nearest thing in the catalogue."""
 
 from __future__ import annotations
 
@@ -12,6 +11,7 @@ import numpy as np
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.proxies import BetterCurve, beaten, explained_share
 from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
 from exoid.diagnosis.evidence.score import Score
@@ -114,7 +114,8 @@ class _Without:
         """Take `scores` out of the last model of a state."""
         without = context.without(state.last, scores)
         evidence = context.evidence(without, draws=0)
-        columns = [context.columns_of(as_fitted(score, state.last), without.fitted) for score in scores]
+        fitted = [as_fitted(score, state.last) for score in scores]
+        columns = [columns_at(score.candidate, score.shape, without.fitted) for score in fitted]
         numbers = sum(score.candidate.numbers for score in scores)
         both = stacked(columns, len(evidence.sigma))
         return cls(tuple(score.name for score in scores), without, evidence, tuple(both), numbers)

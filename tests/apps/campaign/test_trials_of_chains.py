@@ -14,7 +14,7 @@ from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.library import Library, build_library
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search.context import SearchContext
-from exoid.diagnosis.search.forward import forward
+from exoid.diagnosis.search.engine import forward
 from exoid.diagnosis.search.state import State
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, run_bench
