@@ -20,10 +20,9 @@ from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.remainder import Remainder, remainders
 from exoid.diagnosis.evidence.strides import Strides, strides_of
 from exoid.diagnosis.outside import ForceUse, force_uses
-from exoid.diagnosis.plots import against
+from exoid.diagnosis.plots import against, torques_over_time
 from exoid.diagnosis.report.material import NOTHING_HELD_OUT, Material, pictures_of
 from exoid.diagnosis.report.reported import Reported
-from exoid.diagnosis.torques import torques_over_time
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
 from exoid.ground.frames import pandas
 from exoid.ground.html import picture, table
@@ -84,11 +83,6 @@ class Comparison(Reported):
     def unit(self) -> str:
         """Unit of the torques, in words."""
         return self.now.model.torque_unit
-
-    @property
-    def rms_of(self) -> dict[str, Float]:
-        """RMS (J,) of each recording by its name."""
-        return dict(self.per_recording)
 
     @property
     def misread(self) -> tuple[Finding, ...]:
@@ -177,7 +171,7 @@ class Comparison(Reported):
         return {
             "joints": self.joints, "rms": self.rms, "verify_rms": self.verify_rms, "signal_rms": self.signal_rms,
             "noise_floor": self.noise_floor, "sse_verify_rms": self.sse_verify_rms, "where": self.where,
-            "per_recording": self.rms_of, "filter": self.cutoff, "parameters": by_name(self.fit.estimates),
+            "per_recording": dict(self.per_recording), "filter": self.cutoff, "parameters": by_name(self.fit.estimates),
             "forces": self.forces, "strides": self.strides, "thigh_length": self.thigh_length, "audit": self.audit,
         }  # fmt: skip
 
@@ -193,8 +187,7 @@ def compare(
     """Fit `model` to `recordings` (or take a Fit as it is) and hold it against them and `verify`.
 
     Both are what `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many; alone they are of the
-    standard leg. Refuses recordings
-    that are too short or do not determine the model.
+    standard leg. Refuses recordings that are too short or do not determine the model.
     """
     asked, recordings, verify = question_of(model, recordings, verify)
     leg: Model = asked.model if isinstance(asked, Fit) else pushed_model(asked, (*recordings, *verify))

@@ -35,8 +35,7 @@ def discover(
     `verify` are recordings that are never fitted and must improve. The user's own effects that the model declares
     (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Recordings are what
     `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many; alone they are of the standard
-    leg. Refuses those that are too short,
-    too slow or do not determine the model.
+    leg. Refuses those that are too short, too slow or do not determine the model.
     """
     asked, recordings, verify = question_of(model, recordings, verify)
     machine = pushed_model(asked.model if isinstance(asked, Fit) else asked, (*recordings, *verify))

@@ -12,7 +12,7 @@ import numpy as np
 from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
 from exoid.diagnosis.report.material import Material, pictures_of
 from exoid.diagnosis.report.reported import Reported
-from exoid.diagnosis.results import Step, steps_figure, steps_table
+from exoid.diagnosis.results import Falling, Step
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.errors import ExoidError
@@ -29,8 +29,6 @@ from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.codegen.kernel import compiled
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
-from exoid.symbolic.motion import Float
-from exoid.symbolic.quantity import JOINTS
 from exoid.symbolic.wording import added_said, title_of
 
 if TYPE_CHECKING:
@@ -38,11 +36,9 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Waterfall(Reported):
-    """The error from model to model: `steps` with RMS (J,) in N·m, down to the `noise_floor` (J,)."""
+class Waterfall(Falling):
+    """The error from model to model, and the fits behind it."""
 
-    steps: tuple[Step, ...]
-    noise_floor: Float
     stopped_because: str
     fits: tuple[Fit, ...] = field(repr=False, default=())
 
@@ -56,37 +52,26 @@ class Waterfall(Reported):
         rows = [s.to_json() for s in self.steps]
         return pandas().DataFrame(rows, columns=["model", "train_rms", "verify_rms"])
 
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints (J,), in the order of every list per joint."""
-        return self.fits[0].model.joint_names if self.fits else JOINTS
-
-    @property
-    def unit(self) -> str:
-        """Unit of the torques, in words."""
-        return self.fits[0].model.torque_unit if self.fits else "N·m"
-
-    def plot(self) -> Figure:
-        """Draw the falling error."""
-        return steps_figure(self.steps, self.noise_floor, self.joints, self.unit)
-
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""
-        return [("The error falling", falling_text(self.steps, self.joints, self.unit), self.plot())]
+        return [("The error falling", repr(self), self.plot())]
 
     def material(self) -> Material:
         """Material that the report draws on, the recordings apart."""
         return Material(
-            title="The error from model to model", answer=self.stopped_because, model=self.fit.model, fit=self.fit,
+            title="The error from model to model", answer=self.stopped_because, model=self.model, fit=self.fit,
             fall=self, pictures=pictures_of(self),
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        return falling_text(self.steps, self.joints, self.unit)
+        lines = []
+        for step in self.steps:
+            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))
+            lines.append(f"{added_said(step.label)}: {step.judged} error [{self.unit}] {numbers}")
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        fall = falling_text(self.steps, self.joints, self.unit)
-        return steps_table(self.steps, self.noise_floor, self.joints, self.unit) + picture(self.plot(), fall)
+        return self._table() + picture(self.plot(), repr(self))
 
     def _json(self) -> dict[str, Any]:
         return {"steps": self.steps, "noise_floor": self.noise_floor, "stopped_because": self.stopped_because}
@@ -137,15 +122,6 @@ class Addition(Reported):
             "parameters": by_name(self.after.estimates), "steps": self.waterfall.steps,
             "noise_floor": self.waterfall.noise_floor, "stopped_because": self.waterfall.stopped_because,
         }  # fmt: skip
-
-
-def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str:
-    """Return the steps as lines of text."""
-    lines = []
-    for step in steps:
-        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(joints, step.evaluation_rms, strict=True))
-        lines.append(f"{added_said(step.label)}: {step.judged} error [{unit}] {numbers}")
-    return "\n".join(lines)
 
 
 def fit_in_turn(
@@ -239,7 +215,7 @@ def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:
         else:
             label = "base" if not now.model.terms else now.model.name
         steps.append(Step(label, now.train_rms, now.verify_rms))
-    return Waterfall(tuple(steps), prepared.noise_floor, "these were the models given", tuple(fits))
+    return Waterfall(tuple(steps), prepared.noise_floor, fits[-1].model, "these were the models given", tuple(fits))
 
 
 def _fall(steps: Sequence[Step]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,8 @@ from exoid.symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from exoid.diagnosis.evidence.fitted import FittedModel
 
 SECONDS_SHOWN = 15.0
 BINS = 24
@@ -106,33 +108,48 @@ def _numbers(axes: Any, place: Float, values: Float, lie: bool) -> None:
         )  # fmt: skip
 
 
-def over_time(
-    name: str, t: Float, measured: Float, models: Mapping[str, tuple[Float, Float]], joints: Sequence[Joint] = LEG
+def _torque_and_error(
+    joints: Sequence[Joint], said: str, along: Quantity, draw: Callable[[int, Any, Any], None]
 ) -> Figure:
-    """Draw the measured torque, and of each of at most two `models`, by name, its torque and its residual.
-
-    All are (K, J) in the unit of the torque of `joints` over `t` (K,) in s; NaN is not drawn.
-    """
-    t = t - t[0]
-    shown = t <= SECONDS_SHOWN
-    after = {"color": ROLE_COLOURS["after"]}
-    looks = [BEFORE, after] if len(models) > 1 else [{"color": ROLE_COLOURS["model"]}]
+    """Draw two panels for each joint, torque above and error below; `draw` draws into those of a joint (index)."""
     with figure_style():
         figure = new_figure(8.0, 2.6 * max(2, len(joints)))
         panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 3] * len(joints))
         for j, joint in enumerate(joints):
-            upper, lower = panels[2 * j], panels[2 * j + 1]
-            upper.plot(t[shown], measured[shown, j], color=ROLE_COLOURS["measured"], label="measured", linewidth=2.2)
-            for look, (model, (torque, residual)) in zip(looks, models.items(), strict=True):
-                upper.plot(t[shown], torque[shown, j], label=model, **look)
-                lower.plot(t[shown], residual[shown, j], **look)
+            upper, lower, unit = panels[2 * j], panels[2 * j + 1], joint.unit("tau")
+            draw(j, upper, lower)
             lower.axhline(0.0, color=FAINT, linewidth=0.7)
-            unit = joint.unit("tau")
-            upper.set(title=f"{joint.name}, {name}", ylabel=label("torque" if joint.turns else "force", unit))
+            upper.set(title=f"{joint.name}{said}", ylabel=label("torque" if joint.turns else "force", unit))
             lower.set(ylabel=label("error", unit))
-        panels[-1].set(xlabel=label("time", "s"))
+        panels[-1].set(xlabel=label(*along))
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
+
+
+def torques_over_time(models: Mapping[str, FittedModel]) -> Figure:
+    """Draw the measured torque and that of `models` of the same recordings by name, two at most, with what each leaves.
+
+    On the first recording that is held out, or the first of all. What a model leaves is without what belongs to the
+    recording beside it (a zero, a load), and its torque with that.
+    """
+    first = next(iter(models.values()))
+    prepared = first.prepared
+    index = len(prepared.train) if prepared.verify else 0
+    recording = prepared.all[index]
+    shown = recording.t - recording.t[0] <= SECONDS_SHOWN
+    t = (recording.t - recording.t[0])[shown]
+    after = {"color": ROLE_COLOURS["after"]}
+    looks = [BEFORE, after] if len(models) > 1 else [{"color": ROLE_COLOURS["model"]}]
+
+    def draw(j: int, upper: Any, lower: Any) -> None:
+        measured, used = recording.torque[j, shown], recording.used[j, shown]
+        upper.plot(t, measured, color=ROLE_COLOURS["measured"], label="measured", linewidth=2.2)
+        for look, (name, model) in zip(looks, models.items(), strict=True):
+            left = model.residuals[index][j, shown]
+            upper.plot(t, measured - left, label=name, **look)
+            lower.plot(t, np.where(used, left, np.nan), **look)
+
+    return _torque_and_error(first.model.joints, f", {recording.name}", ("time", "s"), draw)
 
 
 def against(
@@ -245,29 +262,21 @@ def over_the_stride(
     with bands (J, P) of one standard deviation; NaN is not drawn. A line ends `stance`, a part of the stride.
     """
     x = 100.0 * phase
-    with figure_style():
-        figure = new_figure(8.0, 2.6 * max(2, len(joints)))
-        panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 3] * len(joints))
-        for j, joint in enumerate(joints):
-            upper, lower = panels[2 * j], panels[2 * j + 1]
-            lines = (
-                (upper, measured, measured_band, "measured", "measured, from stride to stride"),
-                (upper, model, None, "model", "model"),
-                (lower, error, error_band, "model", ""),
-            )
-            for axes, y, band, role, words in lines:
-                colour = ROLE_COLOURS[role]
-                if band is not None:
-                    axes.fill_between(x, y[j] - band[j], y[j] + band[j], color=colour, alpha=0.25, linewidth=0.0)
-                axes.plot(x, y[j], color=colour, label=words)
-            lower.axhline(0.0, color=FAINT, linewidth=0.7)
-            if np.isfinite(stance):
-                for axes in (upper, lower):
-                    axes.axvline(100.0 * stance, color=FAINT, linewidth=0.9, linestyle="--")
-            unit = joint.unit("tau")
-            upper.set(title=joint.name, ylabel=label("torque" if joint.turns else "force", unit))
-            lower.set(ylabel=label("error", unit))
-        known = ", on the ground up to the broken line" if np.isfinite(stance) else ""
-        panels[-1].set(xlabel=label(f"stride{known}", "%"))
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return figure
+
+    def draw(j: int, upper: Any, lower: Any) -> None:
+        lines = (
+            (upper, measured, measured_band, "measured", "measured, from stride to stride"),
+            (upper, model, None, "model", "model"),
+            (lower, error, error_band, "model", ""),
+        )
+        for axes, y, band, role, words in lines:
+            colour = ROLE_COLOURS[role]
+            if band is not None:
+                axes.fill_between(x, y[j] - band[j], y[j] + band[j], color=colour, alpha=0.25, linewidth=0.0)
+            axes.plot(x, y[j], color=colour, label=words)
+        if np.isfinite(stance):
+            for axes in (upper, lower):
+                axes.axvline(100.0 * stance, color=FAINT, linewidth=0.9, linestyle="--")
+
+    known = ", on the ground up to the broken line" if np.isfinite(stance) else ""
+    return _torque_and_error(joints, "", (f"stride{known}", "%"), draw)

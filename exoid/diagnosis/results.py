@@ -18,12 +18,11 @@ from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.own_numbers.numbers import Belonging
-from exoid.diagnosis.plots import falling_error, suspects
+from exoid.diagnosis.plots import falling_error, suspects, torques_over_time
 from exoid.diagnosis.report.material import Material, before_and_after, pictures_of
 from exoid.diagnosis.report.reported import Reported
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
-from exoid.diagnosis.torques import torques_over_time
 from exoid.ground.frames import pandas
 from exoid.ground.html import Bar, bullets, fold, lines, picture, table
 from exoid.ground.plain import AsJson, by_name
@@ -34,7 +33,7 @@ from exoid.optimisation.fitting.thigh_length import ThighLength
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
-from exoid.symbolic.quantity import JOINTS, Estimate
+from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.wording import added_said, called, number_of, the_joint
 
 if TYPE_CHECKING:
@@ -52,21 +51,12 @@ HEADLINES: Mapping[str, str] = MappingProxyType(
 """The answer in a line where no effect was found."""
 
 
-@dataclass(frozen=True)
-class Suspect(AsJson):
-    """A catalogue entry with its evidence.
-
-    `explained_share`: of the weighted error of the joints it acts on, on motion it was not fitted to.
-    """
+@dataclass(frozen=True, eq=False)
+class Entry(AsJson):
+    """An effect at a joint; None for one of no joint alone."""
 
     effect: str
     joint: str | None
-    explained_share: float
-    p_value: float | None
-    look_alikes: tuple[str, ...] = ()
-    caution: str = ""
-    sureness: str = ""
-    """How sure it is that it is missing (`exoid.diagnosis.sureness`); "" where it was not accepted."""
 
     @property
     def name(self) -> str:
@@ -74,16 +64,29 @@ class Suspect(AsJson):
         return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
 
 
+@dataclass(frozen=True)
+class Suspect(Entry):
+    """A catalogue entry with its evidence.
+
+    `explained_share`: of the weighted error of the joints it acts on, on motion it was not fitted to.
+    """
+
+    explained_share: float
+    p_value: float | None
+    look_alikes: tuple[str, ...] = ()
+    caution: str = ""
+    sureness: str = ""
+    """How sure it is that it is missing (`exoid.diagnosis.sureness`); "" where it was not accepted."""
+
+
 @dataclass(frozen=True, eq=False)
-class Accepted(AsJson):
+class Accepted(Entry):
     """An effect that was added, its parameters as fitted in the last model, and what it changed (RMS in N·m).
 
     Of its `look_alikes` some are `never_separable` by any motion, and some are `outside` the catalogue. `left` is how
     many times the noise is left at its joints in the last model, `share` what it takes of their squared error.
     """
 
-    effect: str
-    joint: str | None
     parameters: Mapping[str, Estimate]
     look_alikes: tuple[str, ...]
     never_separable: tuple[str, ...]
@@ -104,11 +107,6 @@ class Accepted(AsJson):
         """By what share of itself the squared error of unseen motion fell with it, the mean of the joints it shows."""
         seen = np.asarray(self.rms_before) > 0.0
         return float(1.0 - np.mean((self.rms_after[seen] / self.rms_before[seen]) ** 2)) if seen.any() else 0.0
-
-    @property
-    def name(self) -> str:
-        """Full name, e.g. "stribeck:knee"."""
-        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
 
     @property
     def sureness(self) -> str:
@@ -136,24 +134,17 @@ class Accepted(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Possible(AsJson):
+class Possible(Entry):
     """An effect that helps but is not accepted: only some splits support it, or `reason` says what speaks against it.
 
     `parameters` have the range over the splits as `low` and `high`; `early`: its torque would come before its motion.
     """
 
-    effect: str
-    joint: str | None
     agreement: Agreement
     parameters: Mapping[str, Estimate]
     explained_share: float
     reason: str
     early: bool = False
-
-    @property
-    def name(self) -> str:
-        """Full name, e.g. "stribeck:knee"."""
-        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
 
     @property
     def sentence(self) -> str:
@@ -213,7 +204,53 @@ class Step(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis(Reported):
+class Falling(Reported):
+    """A result with `steps`, from model to model, the last of which is `model`, and the `noise_floor` (J,) in N·m to
+    which they may fall.
+    """
+
+    steps: tuple[Step, ...]
+    noise_floor: Float
+    model: Model
+
+    @property
+    def unit(self) -> str:
+        """Unit of the torques, in words."""
+        return self.model.torque_unit
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints (J,), in the order of every list per joint."""
+        return self.model.joint_names
+
+    def plot(self) -> Figure:
+        """Draw the falling error."""
+        unseen = [step.verify_rms for step in self.steps if step.verify_rms is not None]
+        fitted = np.array([step.train_rms for step in self.steps])
+        names = [added_said(step.label) for step in self.steps]
+        seen = np.array(unseen) if unseen else None
+        return falling_error(names, fitted, seen, self.noise_floor, self.joints, self.unit)
+
+    def _table(self) -> str:
+        """Return the falling error as an HTML table with bars, the noise floor as its last row."""
+        longest = np.max([step.evaluation_rms for step in self.steps], axis=0)
+
+        def cell(values: Float | None, j: int, shown: bool) -> Any:
+            value = None if values is None else float(values[j])
+            return Bar(value, value / longest[j]) if shown and value is not None and longest[j] > 0.0 else value
+
+        rows: list[tuple[Any, ...]] = []
+        for step in self.steps:
+            pairs = ((step.train_rms, step.verify_rms is None), (step.verify_rms, True))
+            cells = (cell(values, j, shown) for j in range(len(self.joints)) for values, shown in pairs)
+            rows.append((added_said(step.label), *cells))
+        rows.append(("noise floor", *np.repeat(self.noise_floor, 2).tolist()))
+        kinds = (f"{joint}, {kind}" for joint in self.joints for kind in ("fitted", "unseen"))
+        return table((f"RMS error [{self.unit}]", *kinds), rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis(Falling):
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
     `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
@@ -237,14 +274,10 @@ class Diagnosis(Reported):
     sentence: str
     accepted: tuple[Accepted, ...]
     suspects: tuple[Suspect, ...]
-    steps: tuple[Step, ...]
-    noise_floor: Float
     unexplained: Remainder | None
-    unexplained_significant: bool
     audit: tuple[Finding, ...]
     seconds: float
     next_experiment: str
-    model: Model
     fit: Fit = field(repr=False)
     cutoff: str = ""
     stopped_because: str = ""
@@ -263,16 +296,6 @@ class Diagnosis(Reported):
     """Whether the error is not the machine's: something that was not measured acts from outside."""
     inside: Diagnosis | None = field(default=None, repr=False)
     """The answer of the machine alone, where that, or a doubt about what a search found, is told in its place."""
-
-    @property
-    def unit(self) -> str:
-        """Unit of the torques, in words."""
-        return self.model.torque_unit
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints (J,), in the order of every list per joint."""
-        return self.model.joint_names
 
     @property
     def sureness(self) -> str:
@@ -309,16 +332,13 @@ class Diagnosis(Reported):
     @property
     def further(self) -> str:
         """Rest of the sentence, beyond the headline."""
-        return self.sentence.removeprefix(f"Missing: {self._named}. ").removeprefix("Check the channels. ")
+        named = "; ".join(effect.sentence for effect in self.accepted)
+        return self.sentence.removeprefix(f"Missing: {named}. ").removeprefix("Check the channels. ")
 
     @property
     def _told_apart(self) -> tuple[list[Accepted], list[Accepted]]:
         """Those accepted that nothing else explains as well, and those with look-alikes."""
         return [a for a in self.accepted if not a.look_alikes], [a for a in self.accepted if a.look_alikes]
-
-    @property
-    def _named(self) -> str:
-        return "; ".join(effect.sentence for effect in self.accepted)
 
     def called(self, name: str) -> str:
         """Title in words of an effect such as "stribeck:knee"."""
@@ -326,22 +346,17 @@ class Diagnosis(Reported):
 
     @property
     def _unexplained_json(self) -> dict[str, Any]:
-        curve = self.unexplained
-        if curve is None and self.error is not None and self.verdict == "unexplained":
-            share = 1.0 - self.error.times**-2.0
-            joint = self.error.joint
-            return {"significant": True, "joint": joint, "variables": [], "share": share, "suggested_terms": []}
-        if curve is None or not self.unexplained_significant:
-            return {"significant": False, "joint": None, "variables": [], "share": 0.0, "suggested_terms": []}
+        curve, error = self.unexplained, self.error if self.verdict == "unexplained" else None
+        if curve is None:
+            return {
+                "significant": error is not None, "joint": None if error is None else error.joint, "variables": [],
+                "share": 0.0 if error is None else 1.0 - error.times**-2.0, "suggested_terms": [],
+            }  # fmt: skip
         return {
-            "significant": True,
-            "joint": curve.joint,
-            "variables": curve.variables,
-            "share": curve.joint_share,
-            "p_value": curve.p_value,
-            "suggested_terms": [s.text for s in curve.suggestions],
+            "significant": True, "joint": curve.joint, "variables": curve.variables, "share": curve.joint_share,
+            "p_value": curve.p_value, "suggested_terms": [s.text for s in curve.suggestions],
             "suggested_toml": [s.to_toml(curve.joint, curve.own) for s in curve.suggestions[:1]],
-        }
+        }  # fmt: skip
 
     def to_frame(self) -> pd.DataFrame:
         """Return the suspects, one row each, best first."""
@@ -352,18 +367,13 @@ class Diagnosis(Reported):
         head = ["effect", "explained_share", "sureness", "p_value", "look_alikes", "caution"]
         return pandas().DataFrame(rows, columns=head)
 
-    def plot(self) -> Figure:
-        """Draw the falling error."""
-        return steps_figure(self.steps, self.noise_floor, self.joints, self.unit)
-
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
         first, last = self.steps[0], self.steps[-1]
-        kind, before, after = "fitted", first.train_rms, last.train_rms
-        if first.verify_rms is not None and last.verify_rms is not None:
-            kind, before, after = "unseen", first.verify_rms, last.verify_rms
-        changes = zip(self.joints, before, after, strict=True)
-        text = "; ".join(f"{j}: {kind} error from {digits(b)} to {digits(a)} {self.unit}" for j, b, a in changes)
+        text = "; ".join(
+            f"{joint}: {first.judged} error from {digits(before)} to {digits(after)} {self.unit}"
+            for joint, before, after in zip(self.joints, first.evaluation_rms, last.evaluation_rms, strict=True)
+        )
         out = [("The error falling", text, self.plot())]
         if self.suspects:
             best = ", ".join(self.called(s.name) for s in self.suspects[:3])
@@ -397,8 +407,7 @@ class Diagnosis(Reported):
         for step, name in zip(self.steps, names, strict=True):
             numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))
             lines.append(f"  {name:<{max(map(len, names))}}  {step.judged} error [{self.unit}]: {numbers}")
-        lines += [f"  {self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
-        lines += [f"  possible, {p.sentence}" for p in self.possible]
+        lines += [f"  {text}" for text in (*self._stable, *(f"possible, {p.sentence}" for p in self.possible))]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
@@ -411,7 +420,7 @@ class Diagnosis(Reported):
         ranking = table(head, rows) + fold("what the words mean", bullets(meanings_of(MEANINGS)))
         return (
             lines(self.further, strong=self.headline)
-            + steps_table(self.steps, self.noise_floor, self.joints, self.unit)
+            + self._table()
             + self._torques()
             + (ranking if rows else "")
             + fold("why", lines(f"{self.verdict}: {self.rule}", *self._stable))
@@ -452,31 +461,3 @@ class Diagnosis(Reported):
             "left_out": self.left_out, "power": self.power, "thigh_length": self.thigh_length, "audit": self.audit,
             "seconds": self.seconds,
         }  # fmt: skip
-
-
-def steps_figure(
-    steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m"
-) -> Figure:
-    """Draw the falling error."""
-    unseen = [step.verify_rms for step in steps if step.verify_rms is not None]
-    fitted = np.array([step.train_rms for step in steps])
-    names = [added_said(s.label) for s in steps]
-    return falling_error(names, fitted, np.array(unseen) if unseen else None, noise_floor, joints, unit)
-
-
-def steps_table(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m") -> str:
-    """Return the falling error as an HTML table with bars, the noise floor as its last row."""
-    longest = np.max([step.evaluation_rms for step in steps], axis=0)
-
-    def cell(values: Float | None, j: int, shown: bool) -> Any:
-        value = None if values is None else float(values[j])
-        return Bar(value, value / longest[j]) if shown and value is not None and longest[j] > 0.0 else value
-
-    rows: list[tuple[Any, ...]] = []
-    for step in steps:
-        pairs = ((step.train_rms, step.verify_rms is None), (step.verify_rms, True))
-        cells = (cell(values, j, shown) for j in range(len(joints)) for values, shown in pairs)
-        rows.append((added_said(step.label), *cells))
-    rows.append(("noise floor", *np.repeat(noise_floor, 2).tolist()))
-    head = (f"RMS error [{unit}]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
-    return table(head, rows)

@@ -19,7 +19,7 @@ from exoid.diagnosis.evidence.swinging import Swing, swinging
 from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.text import digits
-from exoid.ground.ties import index_of_greatest, least_of
+from exoid.ground.ties import ascending, index_of_greatest
 from exoid.measurement.auditing.masses import MASSES
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
@@ -105,9 +105,9 @@ class _End:
     def nearest(self) -> str:
         """Nearest of the candidates that were not accepted, as sentences that follow others; "" without any."""
         told = {} if self.leading is None else {self.leading.name: self.leading}
-        best = _nearest(self.possible, self.rules)
-        if best is not None:
-            told[best.name] = best
+        for best in ascending(self.possible, lambda item: -item.explained_share, 1.0)[:1]:
+            if best.explained_share >= self.rules.worth_telling:
+                told[best.name] = best
         return "".join(
             f" {'Also near' if k else 'Nearest in the catalogue'}: {called(item.name, self.find)}, "
             f"{100 * item.explained_share:.0f} % of the error; {item.reason}."
@@ -122,56 +122,57 @@ class _End:
 
 def _of_nothing(end: _End, advice: str) -> Conclusion:
     """Return the conclusion where nothing was accepted."""
-    left, error, swing, where = end.left, end.error, end.swing, end.where
+    left, error, swing, where, verdict = end.left, end.error, end.swing, end.where, "unexplained"
     if left is not None:
-        return Conclusion(
-            "unexplained",
-            f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
-            f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
-            + end.oscillation
-            + end.nearest,
-            end.stopped,
-            swing.advice
-            if swing is not None
-            else "repeat slow motion through that range with and without load, then write the effect as "
-            "[[custom_effects]] (a suggestion is in the report) and test it with `exoid add`",
-            error,
+        rule = f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})"
+        text = f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
+        text += end.oscillation + end.nearest
+        advice = (
+            "repeat slow motion through that range with and without load, then write the effect as "
+            "[[custom_effects]] (a suggestion is in the report) and test it with `exoid add`"
         )
-    if error is not None:
-        return Conclusion(
-            "unexplained",
+        if swing is not None:
+            advice = swing.advice
+    elif error is not None:
+        rule = (
             f"the error {where} is {error.beside}, and no catalogue entry or smooth curve that can "
-            "be accepted lowers it",
-            f"The model is not as good as the sensors: {error.sentence}.{end.oscillation}{end.nearest}",
-            end.stopped,
-            error.advice if swing is None else swing.advice,
-            error,
+            "be accepted lowers it"
         )
-    early = next((item for item in end.possible if item.early), None)
-    if early is not None:
-        return _early(early, end.first, where, end.stopped)
-    if names := _far_where_fitted(end.last, end.rules):
-        return Conclusion(
-            "unexplained",
-            f"the error {where} is near the noise, that on fitted ones is not",
-            f"Something is left that the recordings held out do not show: {_on_fitted_motion(end.last, names)}."
-            + end.nearest,
-            end.stopped,
+        text = f"The model is not as good as the sensors: {error.sentence}.{end.oscillation}{end.nearest}"
+        advice = error.advice if swing is None else swing.advice
+    elif (early := next((item for item in end.possible if item.early), None)) is not None:
+        name = called(early.name, end.find)
+        rule = f"{name} lowers the error {where} more than its placebos do, but {early.reason}"
+        text = (
+            "Something is missing that the catalogue does not describe; the error is "
+            f"{beside_floor(end.first)}. "
+            f"Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}."
+        )
+        advice = (
+            "a link that swings behind a compliant drive looks so: measure its angle behind the drive, or clamp the "
+            "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
+            "knock against the leg"
+        )
+    elif names := _far_where_fitted(end.last, end.rules):
+        rule = f"the error {where} is near the noise, that on fitted ones is not"
+        text = f"Something is left that the recordings held out do not show: {_on_fitted_motion(end.last, names)}."
+        text += end.nearest
+        advice = (
             f"look at {' and '.join(names)} (what touched the machine, a load, a sensor) and leave out what is not of "
             "the machine; otherwise hold out a recording that shows it too: what is met in no recording held out "
-            "cannot be verified",
-            error,
+            "cannot be verified"
         )
-    short = little_motion(end.last.prepared, end.rules)
-    return Conclusion(
-        "adequate",
-        f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
-        f"{beside_floor(end.last)}",
-        "The model explains these recordings; nothing is missing that can be distinguished from noise."
-        + (f" They could not show much: {short}.{end.nearest}" if short else ""),
-        end.stopped,
-        advice or ("record more motion of this kind: small effects show only in the mean of much" if short else ""),
-    )
+    else:
+        verdict, short = "adequate", little_motion(end.last.prepared, end.rules)
+        rule = (
+            f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
+            f"{beside_floor(end.last)}"
+        )
+        text = "The model explains these recordings; nothing is missing that can be distinguished from noise."
+        if short:
+            text += f" They could not show much: {short}.{end.nearest}"
+            advice = advice or "record more motion of this kind: small effects show only in the mean of much"
+    return Conclusion(verdict, rule, text, end.stopped, advice, error)
 
 
 def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclusion:
@@ -181,8 +182,9 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
         advice = error.advice
     alike = [a for a in accepted if a.look_alikes]
     names = " and ".join(called(a.name, end.find) for a in accepted)
-    falls = _falls(end.first, end.last)
-    text = f"Missing: {'; '.join(a.sentence for a in accepted)}. {falls}"
+    kind = "unseen" if end.first.verified else "fitted"
+    falls = _told_falls(end.first.evaluation_rms, end.last.evaluation_rms, end.last.model.joints)
+    text = f"Missing: {'; '.join(a.sentence for a in accepted)}. Error on {kind} motion: {falls}."
     if left is not None:
         text += f" Still unexplained: {left.sentence}{_size(error)}."
     elif error is not None:
@@ -227,22 +229,6 @@ def _on_fitted_motion(last: FittedModel, names: Sequence[str]) -> str:
         f"{the_joint(last.model.joint_names[j])} keeps {digits(last.train_rms[j])} {unit} on fitted motion "
         f"({', '.join(names)}), {digits(times[j], 2)} times the noise, "
         f"and {digits(last.evaluation_rms[j])} {unit} on unseen motion"
-    )
-
-
-def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Conclusion:
-    """Return the conclusion where the only thing that helps is a torque that comes before its motion."""
-    name = called(early.name, first.model.find_effect)
-    return Conclusion(
-        "unexplained",
-        f"{name} lowers the error {where} more than its placebos do, but {early.reason}",
-        f"Something is missing that the catalogue does not describe; the error is "
-        f"{beside_floor(first)}. "
-        f"Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
-        stopped,
-        "a link that swings behind a compliant drive looks so: measure its angle behind the drive, or clamp the "
-        "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
-        "knock against the leg",
     )
 
 
@@ -301,14 +287,6 @@ def within_filter_error(base: FittedModel) -> Conclusion:
     )
 
 
-def _nearest(possible: Sequence[Possible], rules: Rules) -> Possible | None:
-    """Entry of the catalogue that comes nearest to what is left and was not accepted; None for none."""
-    if not possible:
-        return None
-    best = least_of(possible, lambda one: -one.explained_share, 1.0)
-    return best if best.explained_share >= rules.worth_telling else None
-
-
 def _size(error: ModelError | None) -> str:
     """Error that is left beside the structure that was found, in words; "" without one."""
     return "" if error is None else f"; the error of {the_joint(error.joint)} is {error.beside}"
@@ -356,11 +334,6 @@ def _deciding(alike: Sequence[Accepted], find: Callable[[str], Effect] = find_ef
     return "; ".join(dict.fromkeys(parts))
 
 
-def _falls(first: FittedModel, last: FittedModel) -> str:
-    kind = "unseen" if first.verified else "fitted"
-    return f"Error on {kind} motion: {_told_falls(first.evaluation_rms, last.evaluation_rms, last.model.joints)}."
-
-
 def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
     falls = zip(joints, before, after, strict=True)
     return ", ".join(f"{joint.name} {digits(b)} to {digits(a)} {joint.unit('tau')}" for joint, b, a in falls)
@@ -379,10 +352,9 @@ def sentence_of(term: Term, numbers: Mapping[str, Estimate], unknown: Collection
             parts.append(f"{what} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
             continue
         half, shape = 0.5 * (e.high - e.low), term.placed_shape.get(name)
+        known = half if 0.0 < half < math.inf else None
         if e.name in unknown or (shape is not None and shape.max - shape.min < half < math.inf):
-            parts.append(number_said(term.effect, name, e.value, e.unit, math.inf))
-            continue
-        known = half if np.isfinite(half) and half > 0.0 else None
+            known = math.inf
         parts.append(number_said(term.effect, name, e.value, e.unit, known))
     return f"{title_of(term.effect, term.joint)} ({', '.join(parts)})"
 

@@ -157,7 +157,6 @@ def write_up(
         steps=steps,
         noise_floor=prepared.noise_floor,
         unexplained=left,
-        unexplained_significant=left is not None,
         audit=(
             *prepared.findings,
             *searched(prepared, done.context.prepared),

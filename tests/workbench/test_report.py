@@ -29,6 +29,7 @@ from exoid.diagnosis.results import Step
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from exoid.measurement.finding import Finding
+from exoid.symbolic.model import Model
 from exoid.workbench.command_line.deliver import command_of
 from tests.waiting import HUNG
 
@@ -154,7 +155,7 @@ def test_every_verdict_renders(verdict):
 
 
 def test_without_unseen_recordings_no_unseen_error_is_claimed():
-    fall = Waterfall((Step("base", np.array([1.0, np.inf]), None),), np.array([0.5, np.nan]), "")
+    fall = Waterfall((Step("base", np.array([1.0, np.inf]), None),), np.array([0.5, np.nan]), Model.standard(), "")
     text = render_report(Material(title="t", fall=fall, comparison=FakeComparison(unseen=False)))
     assert "has not seen" not in text
     assert not re.search(r">\s*(nan|inf)\b", text)

@@ -13,6 +13,7 @@ from workbench_fakes import FakeComparison, FakeDiagnosis, FakeFit, FakeModel
 
 from exoid.diagnosis.extend import Addition, Waterfall
 from exoid.symbolic.formula import pretty
+from exoid.symbolic.model import Model
 from exoid.workbench import commands
 from exoid.workbench.command import main
 from exoid.workbench.terminal.screen import Screen
@@ -60,7 +61,7 @@ def addition(stand_in, monkeypatch, tmp_path):
 
     def put(helped):
         steps = FakeDiagnosis().steps[:2]
-        fall = Waterfall(steps, np.array([0.5, 0.5]), "it was asked for one.")
+        fall = Waterfall(steps, np.array([0.5, 0.5]), Model.standard(), "it was asked for one.")
         found = FakeAddition(
             FakeModel(), FakeFit(estimates=()), FakeFit(), fall,
             "The unseen error of the knee falls from 0.98 to 0.58 N·m.", helped, "numpy",

@@ -67,7 +67,7 @@ def report(workspace: Workspace) -> str:
     said = workspace.verdict
     origin = "these effects were added by hand" if said is None else said["stopped_because"]
     fits = tuple(session.fitted(p).fit for p in path)
-    fall = Waterfall(tuple(steps), session.prepared.noise_floor, origin, fits)
+    fall = Waterfall(tuple(steps), session.prepared.noise_floor, fits[-1].model, origin, fits)
     diagnosis = workspace.diagnoses.get(frozenset(names))
     now = session.fitted(names) if diagnosis is None else diagnosis.fitted_on(session.prepared)
     rms = ", ".join(
