@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from exoid.diagnosis.doubts import doubts_after
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
+from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.soft_drive import soft_drive
+from exoid.diagnosis.evidence.stability import splits_of
 from exoid.diagnosis.question import Question, Searched
 from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
@@ -17,14 +19,16 @@ from exoid.diagnosis.search.doubt import refuted
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.settings import ALL
-from exoid.diagnosis.splits import from_scratch
-from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted
-from exoid.diagnosis.write_up import accepted_of, possible_beside, write_up
-from exoid.ground.progress import Progress, part_of
+from exoid.diagnosis.verdict import behind, conclude, doubted
+from exoid.diagnosis.write_up import accepted_of, estimates_in, possible_beside, write_up
+from exoid.ground.errors import NotEnoughDataError
+from exoid.ground.progress import Progress, part_of, silent
+from exoid.ground.ties import ascending
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.quantity import Estimate
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +82,7 @@ def _answer(
     outside = asking.question.pushed(done, asking.tick)
     if outside is None or outside.answer is None:
         return answer
-    pushed = write_up(outside, (Extension(done.base),), (), None, (), outside.answer, asking.began)
-    return replace(pushed, inside=answer)
+    return replace(write_up(outside, outside.answer, asking.began), inside=answer)
 
 
 def _inside(
@@ -95,15 +98,10 @@ def _inside(
         return question.fitted(fitted, held, whole)
 
     done = question.search(base, whole, asking.found, read)
-    prepared, state = done.prepared, done.found.state
-
-    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:
-        return write_up(done, (Extension(done.base),), (), None, possible, answer, asking.began)
-
     if done.answer is not None:
-        return done, as_given(done.answer)
-    if wrong := reading_doubt(state.last.fitted.fit, state.names):
-        return done, as_given(doubted(wrong))
+        return done, write_up(done, done.answer, asking.began)
+    if wrong := reading_doubt(done.found.state.last.fitted.fit, done.found.state.names):
+        return done, write_up(done, doubted(wrong), asking.began)
     whole(0.95, "judging what was found on the whole of the recordings")
     done, extensions = settle(done)
     state = done.found.state
@@ -111,37 +109,68 @@ def _inside(
     doubt = doubts_after(done.base, last, rules)
 
     def unless_doubted(found: Diagnosis) -> tuple[Searched, Diagnosis]:
-        return done, found if doubt is None else replace(as_given(doubted(doubt)), inside=found)
+        return done, found if doubt is None else replace(write_up(done, doubted(doubt), asking.began), inside=found)
 
     several = len(recordings) + len(verify) > 1
     agreements = agreements_of(done.context, state) if several else {}
     possible = possible_of(done.context, state, several)
     if splits == ALL and several:
-        agreements, possible = from_scratch(question, recordings, verify, state.names, part_of(tick, 0.5, 0.96))
+        agreements, possible = _from_scratch(question, recordings, verify, state.names, part_of(tick, 0.5, 0.96))
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
-    accepted = _agreed(accepted_of(extensions, rules, question.own), agreements, done.context.prepared)
-    if prepared.angles_were_filtered:
-        accepted = tuple(replace(effect, doubted=True) for effect in accepted)
+    accepted = accepted_of(extensions, agreements, done.context, question.own)
     soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
-        soft_answer = behind(soft, last.model.joints)
-        return unless_doubted(as_given(soft_answer, possible_beside(soft, accepted, possible, rules)))
+        possible = possible_beside(soft, accepted, possible, rules)
+        return unless_doubted(write_up(done, behind(soft, last.model.joints), asking.began, possible=possible))
     accepted = tuple(map(in_words, accepted))
     first = () if accepted else done.found.first
     leading = leading_of(done.context, state, first, done.base.evaluation_rms)
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
-    return unless_doubted(write_up(done, extensions, accepted, left, possible, answer, asking.began, leading))
+    return unless_doubted(write_up(done, answer, asking.began, extensions, accepted, left, possible, leading))
 
 
-def _agreed(
-    accepted: Sequence[Accepted], agreements: Mapping[str, Agreement], searched: Prepared
-) -> tuple[Accepted, ...]:
-    """Accepted effects, each with what splits of the recordings say of it."""
-    names = [item.name for item in searched.all]
-    pairs = [(effect, agreements.get(effect.name, Agreement())) for effect in accepted]
-    return tuple(replace(entry, agreement=own, against=tuple(names[k] for k in own.against)) for entry, own in pairs)
+def _from_scratch(
+    question: Question,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    accepted: Sequence[str],
+    tick: Progress,
+) -> tuple[dict[str, Agreement], tuple[Possible, ...]]:
+    """Search anew in every split; return how often each of the `accepted` was, and what else some splits accept."""
+    everything, count = [*recordings, *verify], 0
+    found: dict[str, list[tuple[Score, dict[str, Estimate]]]] = {}
+    lost: dict[str, list[int]] = {name: [] for name in accepted}
+    splits = splits_of(len(everything), len(verify), question.rules, question.asked.seed)
+    for number, held_out in enumerate(splits):
+        tick(number / len(splits), f"split {number + 1} of {len(splits)}, from scratch")
+        fitted = [r for k, r in enumerate(everything) if k not in held_out]
+        try:
+            base = question.fitted(fitted, [everything[k] for k in held_out], silent)
+            state = question.search(base, silent).found.state
+        except NotEnoughDataError:  # these recordings alone do not determine the model: this split cannot tell
+            continue
+        count += 1
+        for score in state.accepted:
+            found.setdefault(score.name, []).append((score, estimates_in(state.last.fitted.fit, score.name)))
+        for name in lost.keys() - {*state.names}:
+            lost[name].extend(held_out)
+    against = {name: tuple(dict.fromkeys(units)) for name, units in lost.items()}
+    agreements = {name: Agreement(0, count, {}, units) for name, units in against.items()}
+    possible = []
+    for name, entries in found.items():
+        values = [numbers for _, numbers in entries]
+        ranges = {key: (min(v[key].value for v in values), max(v[key].value for v in values)) for key in values[0]}
+        agreement = Agreement(len(entries), count, ranges, against.get(name, ()), len(splits), len(everything))
+        agreements[name] = agreement
+        if name not in accepted:
+            score, own = entries[0]
+            term = score.candidate.term
+            numbers = {key: replace(e, low=ranges[key][0], high=ranges[key][1]) for key, e in own.items()}
+            reason = f"accepted in {len(entries)} of {count} splits of the recordings, each searched from scratch"
+            possible.append(Possible(term.effect.id, term.joint, agreement, numbers, score.share, reason))
+    return agreements, tuple(ascending(possible, lambda p: -(p.agreement.share or 0.0), 1.0))
 
 
 def in_words(one: Accepted) -> Accepted:

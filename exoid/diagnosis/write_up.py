@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.model_error import times_noise
@@ -22,7 +23,8 @@ from exoid.diagnosis.own_numbers.numbers import Belonging, OwnNumbers
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
-from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import known_with_shape
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
@@ -49,11 +51,8 @@ def possible_beside(
         if effect.fall >= rules.least_share
     ]
     names = {item.name for item in accepted}
-    return _nearest_first([*given_up, *(entry for entry in possible if entry.name not in names)], rules)
-
-
-def _nearest_first(possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
-    return tuple(ascending(possible, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
+    every = [*given_up, *(entry for entry in possible if entry.name not in names)]
+    return tuple(ascending(every, lambda item: -item.explained_share, 1.0)[: rules.most_possible])
 
 
 def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel, caution: str = "") -> Diagnosis:
@@ -86,18 +85,21 @@ def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
 
 
 def accepted_of(
-    extensions: Sequence[Extension], rules: Rules = RULES, own: OwnNumbers | None = None
+    extensions: Sequence[Extension],
+    agreements: Mapping[str, Agreement],
+    context: SearchContext,
+    own: OwnNumbers | None = None,
 ) -> tuple[Accepted, ...]:
     """Return the effects that were added, with their numbers in the last model, which are not known where recordings
-    have some of their `own` that do the same.
+    have some of their `own` that do the same, and what splits of the recordings that were searched say of each.
     """
-    last = extensions[-1]
+    last, rules, searched_in = extensions[-1], context.rules, context.prepared
     times = times_noise(last.fitted)
     mixed = own.mixed_with(last.fitted, rules) if own is not None and len(extensions) > 1 else frozenset[str]()
     accepted = []
     for before, extension in pairwise(extensions):
-        score = extension.added
-        assert score is not None
+        score = extension.score
+        agreement = agreements.get(score.name, Agreement())
         term = next(item for item in last.fitted.model.terms if item.name == score.name)
         numbers, share = estimates_in(last.fitted.fit, term.name), before.explained(extension, rules)
         for name in mixed & {entry.name for entry in numbers.values()}:
@@ -114,6 +116,9 @@ def accepted_of(
                 rms_before=before.fitted.evaluation_rms,
                 rms_after=extension.fitted.evaluation_rms,
                 sentence=sentence_of(term, numbers, known_with_shape(last.fitted, term.name) | mixed),
+                agreement=agreement,
+                against=tuple(searched_in.all[k].name for k in agreement.against),
+                doubted=searched_in.angles_were_filtered,
                 left=float(times[list(score.candidate.joints)].max()),
                 share=share,
             )
@@ -123,17 +128,18 @@ def accepted_of(
 
 def write_up(
     done: Searched,
-    extensions: Sequence[Extension],
-    accepted: tuple[Accepted, ...],
-    left: Remainder | None,
-    possible: tuple[Possible, ...],
     conclusion: Conclusion,
     began: float,
+    extensions: Sequence[Extension] = (),
+    accepted: tuple[Accepted, ...] = (),
+    left: Remainder | None = None,
+    possible: tuple[Possible, ...] = (),
     leading: Possible | None = None,
 ) -> Diagnosis:
-    """Return the answer to a question, with everything that it rests on; `leading` says why what leads the suspects was
-    not accepted.
+    """Return the answer to a question, with everything that it rests on, of the model that was given where there are no
+    `extensions`; `leading` says why what leads the suspects was not accepted.
     """
+    extensions = extensions or (Extension(done.base),)
     prepared, last = done.prepared, extensions[-1]
     first = () if conclusion.verdict == "check_channels" else done.found.first
     first = tuple(score for score in first if not is_reading(score.name))
