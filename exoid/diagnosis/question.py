@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, repeat
 from typing import TypeGuard
 
 import numpy as np
@@ -137,13 +138,10 @@ class Question:
         last = rival.found.state.last.fitted
         return is_near_noise(last, self.rules) and doubts_after(rival.base, last, self.rules) is None
 
-    def _searched(
-        self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None
-    ) -> Searched:
+    def _searched(self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None) -> Searched:
         rules, part = self.rules, searched_stretches(base.prepared, self.rules)
         context = self.context(part, base.prepared, tick)
-        doubt = doubts_before(base, rules)
-        if doubt is not None:
+        if (doubt := doubts_before(base, rules)) is not None:
             return self._answered(base, doubted(doubt), tick)
         if np.all(base.evaluation_rms <= rules.artefact * base.prepared.filter_error):
             return self._answered(base, within_filter_error(base), tick)
@@ -159,12 +157,10 @@ class Question:
 
     def context(self, part: Prepared, prepared: Prepared, tick: Progress) -> SearchContext:
         """Return the context of a search among the recordings `part`, of those that are `prepared`."""
-        library = build_library(self.model, part.all, self.entries(prepared))
+        # What no catalogue has: the user's effects, and readings that may be the case.
+        entries = (*own_effects(self.model, self.asked.extra), *readings_of(self.model, prepared))
+        library = build_library(self.model, part.all, entries)
         return SearchContext(part, library, self.asked.seed, tick, self.rules)
-
-    def entries(self, prepared: Prepared) -> tuple[Effect, ...]:
-        """Entries of the search that no catalogue has: the user's effects, and readings that may be the case."""
-        return *own_effects(self.model, self.asked.extra), *readings_of(self.model, prepared)
 
 
 def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
@@ -175,13 +171,7 @@ def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
 
 def steps_of(extensions: Sequence[Extension], sentences: Sequence[str] = ()) -> tuple[Step, ...]:
     """Return the falling error; `sentences` are about those that were added."""
-    said = ("", *sentences)
-    return tuple(
-        Step(
-            "base" if s.added is None else f"+ {s.added.name}",
-            s.fitted.train_rms,
-            s.fitted.verify_rms,
-            said[i] if i < len(said) else "",
-        )
-        for i, s in enumerate(extensions)
-    )
+    labels = ("base" if e.added is None else f"+ {e.added.name}" for e in extensions)
+    said = chain(("",), sentences, repeat(""))
+    errors = ((e.fitted.train_rms, e.fitted.verify_rms) for e in extensions)
+    return tuple(Step(label, *rms, text) for label, rms, text in zip(labels, errors, said, strict=False))

@@ -41,8 +41,7 @@ def meanings_of(words: Iterable[str]) -> list[str]:
 
 def least_sure(words: Iterable[str]) -> str:
     """Return the least sure of `words`; "" for none."""
-    order = list(MEANINGS)
-    return max(words, key=order.index, default="")
+    return max(words, key=[*MEANINGS].index, default="")
 
 
 def sureness(
@@ -61,6 +60,5 @@ def sureness(
     agreement = agreement or Agreement()
     if doubted or p is None or p > rules.level or not agreement.enough(rules):
         return UNSURE
-    share = agreement.share
-    alone = left <= rules.near_noise
-    return VERY if p <= RARE and share is not None and share >= AGREEING and alone else FAIRLY
+    very = p <= RARE and (agreement.share or 0.0) >= AGREEING and left <= rules.near_noise
+    return VERY if very else FAIRLY

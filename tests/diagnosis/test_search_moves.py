@@ -34,7 +34,7 @@ def plain():
 
 def with_rules(context, **rules):
     """`context` as it was begun, with other thresholds."""
-    fresh = {name: {} for name in ("ranked", "doubts", "refits", "fits", "noises")}
+    fresh = {name: {} for name in ("ranked", "doubts", "fits")}
     return replace(context, rules=replace(context.rules, **rules), **fresh)
 
 

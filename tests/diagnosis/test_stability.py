@@ -120,7 +120,7 @@ def test_two_recordings_do_not_veto_what_nearly_all_splits_of_eight_support():
     assert score.unseen < 0.0 and score.eligible and score.repeats(RULES)
     found = run_search(context, start).state
     assert found.names == (name,) and start.unseen_gain(found.last, context.rules) < 0.0
-    few = replace(context, rules=replace(context.rules, many_recordings=9), ranked={}, refits={}, doubts={})
+    few = replace(context, rules=replace(context.rules, many_recordings=9), ranked={}, doubts={})
     assert run_search(few, start).state.names == ()
     lost = search(OFFSET, [name], scales=(*loud, -0.4, -0.4), verify=2)
     assert run_search(lost, state_with(lost).last).state.names == ()

@@ -61,8 +61,8 @@ def objection(fit: Fit, name: str, explained: float, rules: Rules) -> str:
 
 def _change(fit: Fit, name: str) -> tuple[Estimate, Joint]:
     """Length in m by which a link is longer than the model says, and the link."""
-    more = {estimate.name: estimate for estimate in fit.estimates}[f"{name}.more"]
-    return more, next(joint for joint in fit.model.joints if name == f"{EFFECT.id}:{joint.name}")
+    link = name.partition(":")[2]
+    return fit.estimate(f"{name}.more"), next(joint for joint in fit.model.joints if joint.name == link)
 
 
 def what_is_wrong(fit: Fit, names: Sequence[str]) -> Doubt:

@@ -42,8 +42,7 @@ def objection(fit: Fit, name: str, explained: float, rules: Rules) -> str:
 
 def _lengths(fit: Fit, name: str) -> tuple[float, float, float]:
     """Return the length that recordings want and the ends of its interval, m."""
-    known = {estimate.name: estimate for estimate in fit.estimates}
-    more, coupling = known[f"{name}.k"], known[COUPLING].value
+    more, coupling = fit.estimate(f"{name}.k"), fit.estimate(COUPLING).value
     weight = fit.model.gravity / fit.model.thigh_length
     value, *ends = (fit.model.gravity / (weight + k / coupling) for k in (more.value, more.low, more.high))
     return value, min(ends), max(ends)

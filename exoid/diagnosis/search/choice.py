@@ -74,13 +74,11 @@ def plainer_together(
     """Names of the candidates of several numbers on several joints whose gain is nearly all that of plain ones, of one
     number at each of these joints: those come first, and what more there is in the others is weighed beside them.
     """
-    sure = [s for s in scores if s.significant]
-    plain = [s for s in sure if s.candidate.numbers == 1 and len(s.candidate.joints) == 1]
-    found = set()
+    sure, found = [s for s in scores if s.significant], set()
+    plain = {s.candidate.joints: s for s in reversed(sure) if s.candidate.numbers == 1}  # the best at each joint
     for score in sure:
         joints = score.candidate.joints
-        best = [next((s for s in plain if s.candidate.joints == (joint,)), None) for joint in joints]
-        parts = [s for s in best if s is not None]
+        parts = [plain[joint,] for joint in joints if (joint,) in plain]
         if len(joints) < 2 or len(parts) < len(joints) or len(parts) > score.candidate.numbers:
             continue
         columns = [(context.library.columns(s.candidate, extension.fitted), s.nodes) for s in parts]

@@ -56,12 +56,8 @@ class SearchContext:
     """What was found against a model with these terms, for when the search comes back to it."""
     doubts: dict[tuple[tuple[str, ...], str], Objection] = field(default_factory=dict)
     """Why a candidate was not accepted beside a model with these terms, although it helps."""
-    refits: dict[tuple[tuple[str, ...], str, bytes], Extension] = field(default_factory=dict)
-    """A model with these terms and one candidate, started at these values, for when it is compared again."""
     fits: dict[tuple[tuple[str, ...], bytes], Extension] = field(default_factory=dict)
     """A model with these terms fitted from these shapes: moves take the same terms out again and again."""
-    noises: dict[tuple[str, ...], Float] = field(default_factory=dict)
-    """The noise (J,) N·m beside a model with these terms."""
     own: dict[tuple[str, ...], tuple[FittedModel, ...]] = field(default_factory=dict)
     """The model with these terms on recordings that it made itself: of the one asked last, since those are large."""
     settled: set[tuple[str, str, frozenset[str]]] = field(default_factory=set)
@@ -79,22 +75,16 @@ class SearchContext:
         return self.fits[key]
 
     def with_term(self, extension: Extension, score: Score) -> Extension:
-        """Return the model of `extension` with the candidate of `score` added, everything refitted."""
-        start = score.shape.tobytes() + np.asarray(score.coefficients).tobytes()
-        key = self.key(extension), score.name, start
-        if key not in self.refits:
-            self.refits[key] = self._with_term(extension, score)
-        return replace(self.refits[key], added=score)
-
-    def _with_term(self, extension: Extension, score: Score) -> Extension:
-        """Return the refit; a place that may move between recordings is one, unless a place in each pays."""
+        """Return the model of `extension` with the candidate of `score` added, everything refitted; a place that may
+        move between recordings is one, unless a place in each pays.
+        """
         if not score.candidate.term.may_move:
             return self._refitted(extension, score, own_places=False)
         candidate = self.library.find(score.name).at_one_place
         fixed = self.weighed(extension, self.evidence(extension, draws=0), candidate)
         once = self._refitted(extension, fixed, own_places=False)
         each = self._refitted(extension, score, own_places=True)
-        return each if places_pay(once.fitted, each.fitted, self.rules) else once
+        return replace(each if places_pay(once.fitted, each.fitted, self.rules) else once, added=score)
 
     def _refitted(self, extension: Extension, score: Score, *, own_places: bool) -> Extension:
         before, term = extension.fitted, score.candidate.term
@@ -105,7 +95,7 @@ class SearchContext:
         start = np.concatenate([shapes, own], axis=1)
         if not any(s.shape.per_recording for s in model.shapes):
             start = start[0]
-        return self.fit(model, start if model.shapes else None)
+        return replace(self.fit(model, start if model.shapes else None), added=score)
 
     def without(self, extension: Extension, scores: Sequence[Score]) -> Extension:
         """Return the model of `extension` without the terms of `scores`, refitted."""
@@ -190,10 +180,7 @@ class SearchContext:
 
         What does not come again when the motion does is no function of it, and no effect can take up part of it.
         """
-        key = self.key(extension)
-        if key not in self.noises:
-            self.noises[key] = noise_with(repeats(extension.fitted), self.prepared)
-        return self.noises[key]
+        return noise_with(repeats(extension.fitted), self.prepared)
 
     def simulated(self, extension: Extension) -> tuple[FittedModel, ...]:
         """Return the model of `extension` on recordings that it made itself, a few times."""
