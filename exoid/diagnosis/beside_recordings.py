@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -22,7 +22,6 @@ from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.write_up import with_own
 from exoid.ground.progress import silent
 from exoid.ground.ties import ascending, least_of
-from exoid.measurement.recording import Recording
 from exoid.optimisation.preparation.prepare import Prepared
 
 ROUNDS = 2
@@ -35,9 +34,7 @@ OTHERS_TOO = " So many differences at once may also be those of another machine.
 MORE_TOO = " More than noise is left beside that: such numbers may also stand for what the model lacks."
 
 
-def answer_beside_recordings(
-    asking: Asking, base: FittedModel, answer: Diagnosis, recordings: Sequence[Recording], verify: Sequence[Recording]
-) -> Diagnosis | None:
+def answer_beside_recordings(asking: Asking, base: FittedModel, answer: Diagnosis) -> Diagnosis | None:
     """Return an answer beside what belongs to recordings, of several that leave about the noise the one with the fewest
     numbers; None where none predicts clearly better.
     """
@@ -47,8 +44,7 @@ def answer_beside_recordings(
     near: list[Diagnosis] = []
     far: list[Diagnosis] = []
     for own, ways in against.promising():
-        rival = against.answer_beside(own, ways, recordings, verify)
-        if rival is not None:
+        if (rival := against.answer_beside(own, ways)) is not None:
             (far if _leaves_more(rival) else near).append(rival)
         if near and _statements(near[-1], len(base.prepared.all)) <= PLAIN:
             break
@@ -136,11 +132,9 @@ class _Against:
             for alone, machine in self.machines
         )
 
-    def answer_beside(
-        self, own: OwnNumbers, ways: int, recordings: Sequence[Recording], verify: Sequence[Recording]
-    ) -> Diagnosis | None:
+    def answer_beside(self, own: OwnNumbers, ways: int) -> Diagnosis | None:
         """Return the answer beside numbers of recordings; None where it may not stand in place of the other."""
-        rival, explained, own = _with_own(self.asking, self.given, own, ways, recordings, verify)
+        rival, explained, own = _with_own(self.asking, self.given, own, ways)
         told = own.without([entry.recording for entry in rival.left_out])
         least = self.rules.half if len(own.ways) == 1 else self.rules.most
         main = bool(own.ways) and explained_by(self.last, explained) >= least
@@ -208,24 +202,20 @@ def _leaves_more(answer: Diagnosis) -> bool:
     return not answer.outside and (answer.verdict == "unexplained" or bool(answer.more_missing))
 
 
-def _with_own(
-    asking: Asking, given: Prepared, own: OwnNumbers, ways: int, recordings: Sequence[Recording],
-    verify: Sequence[Recording],
-) -> tuple[Diagnosis, FittedModel, OwnNumbers]:  # fmt: skip
+def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tuple[Diagnosis, FittedModel, OwnNumbers]:
     """Return the answer beside numbers that belong to recordings, its model there, and these as they are beside it, in
     so many `ways`.
     """
     kept = None
     for _ in range(ROUNDS):
-        again, without = replace(asking.question, own=own), own.applied(given)
-        fitted = again.fitted(recordings, verify, asking.tick, without)
-        rival = answer_of_machine(replace(asking, question=again), fitted, recordings, verify)
+        again, without = replace(asking, question=replace(asking.question, own=own)), own.applied(given)
+        rival = answer_of_machine(again, again.fitted(without))
         worse = rival.verdict == "check_channels" or _leaves_more(rival)
         if kept is not None and worse and not _leaves_more(kept[0]):
             return *kept[:2], own if own.by_recording.keys() == kept[2].by_recording.keys() else kept[2]
         kept = rival, fitted_on(rival.fit, without), own
         last = fitted_on(_common(kept[1], _names(rival)).fit, own.carried(given))
-        own = _belonging_beside(last, again.rules, own.cuts, ways) or own
+        own = _belonging_beside(last, asking.question.rules, own.cuts, ways) or own
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own
     assert kept is not None

@@ -57,10 +57,10 @@ def answer_of(
     What belongs to recordings (a zero of their own, a load) is a rival explanation of what the best model leaves: where
     it predicts clearly better, the answer is that beside it.
     """
-    asking = Asking(question, tick, found, time.perf_counter())
-    base = question.fitted(recordings, verify, tick, prepared)
-    answer = answer_of_machine(asking, base, recordings, verify)
-    rival = None if base.prepared.misread else answer_beside_recordings(asking, base, answer, recordings, verify)
+    asking = Asking(question, recordings, verify, tick, found, time.perf_counter())
+    base = asking.fitted(prepared)
+    answer = answer_of_machine(asking, base)
+    rival = None if base.prepared.misread else answer_beside_recordings(asking, base, answer)
     return replace(rival or answer, seconds=time.perf_counter() - asking.began)
 
 

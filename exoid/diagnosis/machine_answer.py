@@ -33,9 +33,13 @@ from exoid.symbolic.quantity import Estimate
 
 @dataclass(frozen=True, eq=False)
 class Asking:
-    """A question, where its progress is told, what hears of every step of the search, and when it began."""
+    """A question asked of `recordings` that are fitted and others to `verify`, where its progress is told, what hears
+    of every step of the search, and when it began.
+    """
 
     question: Question
+    recordings: Sequence[Recording]
+    verify: Sequence[Recording]
     tick: Progress
     found: Callable[[Sequence[Step]], None] | None
     began: float
@@ -44,52 +48,50 @@ class Asking:
         """The same, whose progress goes from `low` to `high`."""
         return replace(self, tick=part_of(self.tick, low, high))
 
+    def fitted(self, prepared: Prepared | None = None) -> FittedModel:
+        """Return the model as it was given, fitted to the recordings, which are prepared unless they are."""
+        return self.question.fitted(self.recordings, self.verify, self.tick, prepared)
 
-def answer_of_machine(
-    asking: Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
-) -> Diagnosis:
-    """Return the answer of these recordings, to which `base` is fitted; those that are not of what the others are of
-    are left out, and the others are answered.
+
+def answer_of_machine(asking: Asking, base: FittedModel) -> Diagnosis:
+    """Return the answer of the recordings, to which `base` is fitted; those that are not of what the others are of are
+    left out, and the others are answered.
     """
-    question = asking.question
-    odd = odd_ones(base, question.rules) if len(base.prepared.all) > OTHERS else ()
-    fitted = [recording for k, recording in enumerate(recordings) if k not in odd]
-    held = [item for k, item in enumerate(verify, len(recordings)) if k not in odd]
+    rules, verify = asking.question.rules, asking.verify
+    odd = odd_ones(base, rules) if len(base.prepared.all) > OTHERS else ()
+    fitted = [recording for k, recording in enumerate(asking.recordings) if k not in odd]
+    held = [item for k, item in enumerate(verify, len(asking.recordings)) if k not in odd]
     if not odd or not fitted or (verify and not held):
-        return _answer(asking, base, recordings, verify)
-    half = asking.part(0.0, 0.5)
-    of_others = _answer(half, question.fitted(fitted, held, half.tick), fitted, held)
-    apart, explained = left_out(base, of_others.fit, odd, question.rules)
+        return _answer(asking, base)
+    half = replace(asking.part(0.0, 0.5), recordings=fitted, verify=held)
+    of_others = _answer(half, half.fitted())
+    apart, explained = left_out(base, of_others.fit, odd, rules)
     sentence = " ".join([of_others.sentence, *(f"{item.sentence}." for item in apart.values())])
     without = replace(of_others, sentence=sentence, left_out=tuple(apart.values()))
     if apart and of_others.accepted:
         return without
-    whole = _answer(asking.part(0.5, 1.0), base, recordings, verify)
+    whole = _answer(asking.part(0.5, 1.0), base)
     if not apart or whole.accepted or of_others.verdict != "adequate":
         return whole
     # An effect that these alone show is one of the machine, unless numbers of their own explain far more.
     nearest = max((entry.explained_share for entry in whole.possible), default=0.0)
-    return whole if nearest > max(question.rules.worth_telling, question.rules.half * explained) else without
+    return whole if nearest > max(rules.worth_telling, rules.half * explained) else without
 
 
-def _answer(
-    asking: Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
-) -> Diagnosis:
-    """Return the answer of all these recordings together, to which `base` is fitted: that of the machine, unless that
-    is no explanation and something outside is one.
+def _answer(asking: Asking, base: FittedModel) -> Diagnosis:
+    """Return the answer of all the recordings together, to which `base` is fitted: that of the machine, unless that is
+    no explanation and something outside is one.
     """
-    done, answer = _inside(asking, base, recordings, verify)
+    done, answer = _inside(asking, base)
     outside = asking.question.pushed(done, asking.tick)
     if outside is None or outside.answer is None:
         return answer
     return replace(write_up(outside, outside.answer, asking.began), inside=answer)
 
 
-def _inside(
-    asking: Asking, base: FittedModel, recordings: Sequence[Recording], verify: Sequence[Recording]
-) -> tuple[Searched, Diagnosis]:
+def _inside(asking: Asking, base: FittedModel) -> tuple[Searched, Diagnosis]:
     """Return the search and the answer of a machine on which nothing acts but what is measured."""
-    question, tick = asking.question, asking.tick
+    question, tick, recordings, verify = asking.question, asking.tick, asking.recordings, asking.verify
     rules, splits = question.rules, question.asked.splits
     whole = part_of(tick, 0.0, 0.5) if splits == ALL else tick
 
@@ -115,7 +117,7 @@ def _inside(
     agreements = agreements_of(done.context, state) if several else {}
     possible = possible_of(done.context, state, several)
     if splits == ALL and several:
-        agreements, possible = _from_scratch(question, recordings, verify, state.names, part_of(tick, 0.5, 0.96))
+        agreements, possible = _from_scratch(asking.part(0.5, 0.96), state.names)
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
@@ -131,20 +133,14 @@ def _inside(
     return unless_doubted(write_up(done, answer, asking.began, extensions, accepted, left, possible, leading))
 
 
-def _from_scratch(
-    question: Question,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording],
-    accepted: Sequence[str],
-    tick: Progress,
-) -> tuple[dict[str, Agreement], tuple[Possible, ...]]:
+def _from_scratch(asking: Asking, accepted: Sequence[str]) -> tuple[dict[str, Agreement], tuple[Possible, ...]]:
     """Search anew in every split; return how often each of the `accepted` was, and what else some splits accept."""
-    everything, count = [*recordings, *verify], 0
+    everything, question, count = [*asking.recordings, *asking.verify], asking.question, 0
     found: dict[str, list[tuple[Score, dict[str, Estimate]]]] = {}
     lost: dict[str, list[int]] = {name: [] for name in accepted}
-    splits = splits_of(len(everything), len(verify), question.rules, question.asked.seed)
+    splits = splits_of(len(everything), len(asking.verify), question.rules, question.asked.seed)
     for number, held_out in enumerate(splits):
-        tick(number / len(splits), f"split {number + 1} of {len(splits)}, from scratch")
+        asking.tick(number / len(splits), f"split {number + 1} of {len(splits)}, from scratch")
         fitted = [r for k, r in enumerate(everything) if k not in held_out]
         try:
             base = question.fitted(fitted, [everything[k] for k in held_out], silent)
