@@ -35,9 +35,7 @@ MORE_TOO = " More than noise is left beside that: such numbers may also stand fo
 
 
 def answer_beside_recordings(asking: Asking, base: FittedModel, answer: Diagnosis) -> Diagnosis | None:
-    """Return an answer beside what belongs to recordings, of several that leave about the noise the one with the fewest
-    numbers; None where none predicts clearly better.
-    """
+    """Return the plainest answer beside what belongs to recordings that leaves about the noise; None for none."""
     doubted, answer = answer.inside is not None, answer.inside or answer
     whole = fitted_on(answer.fit, base.prepared)
     against = _Against(asking, base, answer, _common(whole, _names(answer)), whole)
@@ -77,9 +75,7 @@ class _Against:
 
     @cached_property
     def machines(self) -> list[tuple[float, FittedModel]]:
-        """The last model, and the same with each of the entries that come nearest to what it leaves, of which each
-        explains a share.
-        """
+        """The last model, and that with each entry nearest to what it leaves, with the share each explains."""
         models = _plain_models(self.asking.question, self.answer, self.last)
         return [(explained_by(self.last, machine), machine) for machine in models]
 
@@ -120,9 +116,7 @@ class _Against:
             yield zeros, 0
 
     def is_worth(self, own: OwnNumbers, beside: FittedModel) -> bool:
-        """True if a model `beside` numbers of recordings predicts clearly better, and better than one with an effect
-        that explains nearly as much.
-        """
+        """True if a model `beside` such numbers predicts clearly better, and than one with an effect nearly as good."""
         share = explained_by(self.last, beside)
         if self.last is not self.whole and share < self.rules.practically * explained_by(self.last, self.whole):
             return False
@@ -160,9 +154,7 @@ def _statements(answer: Diagnosis, many: int) -> int:
 
 
 def _numbers(answer: Diagnosis) -> int:
-    """Count of the numbers of an answer: where several leave no more than noise, the plainest is as likely as it is
-    plain.
-    """
+    """Count of the numbers of an answer: of several that leave no more than noise the plainest is the likeliest."""
     own = sum(len(statement.values) for statement in answer.of_recordings)
     return own + sum(len(effect.parameters) for effect in answer.accepted)
 
@@ -203,9 +195,7 @@ def _leaves_more(answer: Diagnosis) -> bool:
 
 
 def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tuple[Diagnosis, FittedModel, OwnNumbers]:
-    """Return the answer beside numbers that belong to recordings, its model there, and these as they are beside it, in
-    so many `ways`.
-    """
+    """Return the answer beside numbers of recordings in so many `ways`, its model, and the numbers as found there."""
     kept = None
     for _ in range(ROUNDS):
         again, without = replace(asking, question=replace(asking.question, own=own)), own.applied(given)

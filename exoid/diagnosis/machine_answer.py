@@ -54,9 +54,7 @@ class Asking:
 
 
 def answer_of_machine(asking: Asking, base: FittedModel) -> Diagnosis:
-    """Return the answer of the recordings, to which `base` is fitted; those that are not of what the others are of are
-    left out, and the others are answered.
-    """
+    """Return the answer of the recordings, to which `base` is fitted, without those that are of another machine."""
     rules, verify = asking.question.rules, asking.verify
     odd = odd_ones(base, rules) if len(base.prepared.all) > OTHERS else ()
     fitted = [recording for k, recording in enumerate(asking.recordings) if k not in odd]
@@ -179,9 +177,7 @@ def in_words(one: Accepted) -> Accepted:
 
 
 def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:
-    """Return a search and its models on all of the recordings, with spikes judged anew; without effects to which
-    their numbers there object.
-    """
+    """Return a search and its models on all recordings, spikes judged anew, without effects to which numbers object."""
     context, prepared, state = done.context, done.prepared, done.found.state
     on_all = context.prepared is prepared
     extensions = state.extensions
@@ -198,9 +194,7 @@ def settle(done: Searched) -> tuple[Searched, tuple[Extension, ...]]:
 
 
 def _refitted(prepared: Prepared, extensions: Sequence[Extension], *, anew: bool) -> tuple[Extension, ...]:
-    """Return the models on recordings of which the search had seen other spikes, the last fitted anew; all of them are,
-    `anew`, where it had seen only stretches.
-    """
+    """Return the models on recordings with other spikes than the search saw, the last refitted, or all (`anew`)."""
     out = []
     for k, extension in enumerate(extensions, start=1):
         fit = fit_as_of(extension.fitted.fit, prepared)

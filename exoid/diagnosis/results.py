@@ -162,9 +162,7 @@ class Possible(Entry):
 def stability_of(
     agreement: Agreement, units: Mapping[str, str], against: Sequence[str] = (), said: Callable[[str], str] = str
 ) -> str:
-    """Return e.g. "accepted in 83 of 84 splits, c 0.0031 to 0.0042 kg·m²", and which recordings disagree; `said` is
-    what a number is called.
-    """
+    """Return e.g. "accepted in 83 of 84 splits, c 0.0031 to 0.0042 kg·m²", and who disagrees; `said` names a number."""
     if agreement.share is None:
         return ""
     text = f"accepted in {agreement.accepted} of {agreement.of} splits of the recordings"
@@ -205,9 +203,7 @@ class Step(AsJson):
 
 @dataclass(frozen=True, eq=False)
 class Falling(Reported):
-    """A result with `steps`, from model to model, the last of which is `model`, and the `noise_floor` (J,) in N·m to
-    which they may fall.
-    """
+    """A result with `steps` from model to model, the last of which is `model`, down to the `noise_floor` (J,) N·m."""
 
     steps: tuple[Step, ...]
     noise_floor: Float
@@ -433,9 +429,7 @@ class Diagnosis(Falling):
         return [f"{self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
 
     def fitted_on(self, prepared: Prepared) -> FittedModel:
-        """Return the model that was found on all recordings of a question: without what belongs to them, unless some
-        were left out.
-        """
+        """Return the model that was found on all recordings, without what belongs to them unless some were left out."""
         names = [item.name for item in prepared.all]
         if self.last is not None and names == [item.name for item in self.last.prepared.all]:
             return self.last

@@ -56,9 +56,7 @@ def possible_beside(
 
 
 def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel, caution: str = "") -> Diagnosis:
-    """Return an answer beside what belongs to recordings; `given` is the model without it, `caution` is said of all of
-    this.
-    """
+    """Return an answer beside what belongs to recordings; `given` is the model without it, `caution` is said of all."""
     first, *rest = answer.steps
     step = Step("base", given.train_rms, given.verify_rms)
     names = " + ".join(dict.fromkeys(entry.what for entry in told))
@@ -217,9 +215,7 @@ def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
 def best_first(
     suspects: Iterable[Ranked], word: Callable[[Ranked], str], share: Callable[[Ranked], float]
 ) -> list[Ranked]:
-    """Return suspects in the order in which a person reads them: what an answer has a `word` for first, then the larger
-    shares.
-    """
+    """Return suspects in the order in which a person reads them: those with a `word` first, then larger shares."""
     ordered = ascending(suspects, lambda one: -share(one), 1.0)
     return sorted(ordered, key=lambda one: not word(one))
 

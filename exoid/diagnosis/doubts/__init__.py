@@ -22,9 +22,7 @@ FIRST, BEFORE, AFTER = "first", "before", "after"
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """Subject of a doubt: the model that was given (`base`) and the best that was found (`last`), on all recordings;
-    the same before a search.
-    """
+    """Subject of a doubt, on all recordings: the model that was given (`base`), and the best found (`last`), if any."""
 
     base: FittedModel
     last: FittedModel

@@ -1,6 +1,4 @@
-"""A measured force is not zero while the foot is in the air: its load of every joint, which is not there, resembles a
-spring.
-"""
+"""A measured force is not zero while the foot is in the air: the load that is not there resembles a spring."""
 
 from __future__ import annotations
 

@@ -134,9 +134,7 @@ def hypotheses() -> dict[str, ModuleType]:
 
 
 def claims_of(model: Model, driven: Bool | None = None, columns: Sequence[StateColumn] = ()) -> tuple[Claim, ...]:
-    """Claims of all hypotheses for the machine of a model whose joints `driven` (J,) have a drive, all of them without
-    it, and further columns of its recordings.
-    """
+    """Claims of all hypotheses for a machine whose joints `driven` (J,) have a drive (None: all), and its columns."""
     found: Sequence[Sequence[Claim]] = [hypothesis.claims(model, columns) for hypothesis in hypotheses().values()]
     passive = {model.joint_names[k] for k in np.flatnonzero(~driven)} if driven is not None else set()
     return tuple(claim for some in found for claim in some if not (claim.drive and claim.place in passive))

@@ -17,9 +17,7 @@ MOST = 0.9
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
-    """Return, for each column, that a joint's friction, its torque's gain or its zero goes with it, alike in all
-    recordings.
-    """
+    """Return, for each column, that a joint's friction, torque gain or zero goes with it, alike in all recordings."""
     out: list[Claim] = []
     for column in columns:
         for k in range(len(model.joints)) if column.joint is None else (column.joint,):

@@ -41,9 +41,7 @@ EFFECT = Effect(
 
 
 def entry(model: Model, prepared: Prepared) -> Effect | None:
-    """Return the entry, at every link from which another hangs and in whose length the torque is linear; None for the
-    leg and where channels are misread.
-    """
+    """Return the entry at every link that carries another and enters linearly; None for the leg or if misread."""
     joints = model.chain
     carrying = {above for above in parents(joints) if above is not None}
     # Where the mass of what hangs further out is a number of its own (behind a sliding joint), a length enters squared.

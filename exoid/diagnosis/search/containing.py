@@ -67,9 +67,7 @@ _KEPT: WeakKeyDictionary[Evidence, tuple[_Beside, _Beside]] = WeakKeyDictionary(
 
 
 def _beside(evidence: Evidence) -> tuple[_Beside, _Beside]:
-    """New parts on the first recording that shows anything, and on all: what the former cannot be, the latter
-    cannot.
-    """
+    """New parts on the first recording that shows anything, which says quickly what cannot be, and on all."""
     if evidence not in _KEPT:
         every = [k for k in range(len(evidence.train)) if evidence.blocks[k].use.any()]
         _KEPT[evidence] = _Beside(evidence, every[:1]), _Beside(evidence, every)

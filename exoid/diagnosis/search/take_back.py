@@ -91,9 +91,7 @@ def _is_constant(context: SearchContext, state: State, score: Score) -> bool:
 
 
 def _in_turn(without: Callable[..., _Without], here: Sequence[str], single: Sequence[str]) -> Iterator[_Without]:
-    """Yield the terms of a joint together, and then one by one: of two that imitate each other the weaker one is the
-    first that a curve beats.
-    """
+    """Yield a joint's terms together, then one by one: of two that imitate each other the weaker is beaten first."""
     if len(here) > 1:
         yield without(*here)
     yield from ascending(map(without, single), lambda one: one.share, 1.0)

@@ -113,9 +113,7 @@ class Ranking:
         return tuple(look_alikes(self.evidence, pairs[0], pairs[1:]))
 
     def sureness(self, name: str) -> str:
-        """Certainty that this one is missing, of the leader when all placebos were asked; "" of the others, which may
-        do no more than follow it.
-        """
+        """Certainty that the leader is missing, when all placebos were asked; "" of others, which may but follow it."""
         if not self.finished or not self.scores or self.scores[0].name != name:
             return ""
         if self._word is None:
