@@ -158,7 +158,7 @@ def add(
     Recordings are what `exoid.measurement.reading.given` takes. Without a model, `add("stribeck:hip", recordings,
     verify)`, they are of the standard leg. Refuses effects that do not exist there or that the model has already.
     """
-    if _names_an_effect(model):
+    if isinstance(model, Effect) or (isinstance(model, str) and Path(model).suffix.lower() not in MODEL_FILES):
         verify = recordings if recordings is not None else verify
         model, effect, recordings = Model.standard(), model, effect
     own = machine_of(model_of(model))
@@ -184,7 +184,10 @@ def add(
     term = extended.terms[-1]
     prefix = f"{term.name}."
     numbers = {e.name.removeprefix(prefix): e for e in after.estimates if e.name.startswith(prefix)}
-    fall = _fall(waterfall.steps)
+    first, last = (step.evaluation_rms for step in waterfall.steps)
+    change = (first - last) / np.maximum(first, 1e-300)
+    # At the joint that gains most; where the others lose more than it gains, at the one that loses most.
+    fall = float(change.max() if change.sum() > 0.0 else change.min())
     inside = _admissible(extended, after, prefix)
     helped = fall > RULES.negligible and not inside
     kind = "unseen" if verify else "fitted"
@@ -196,11 +199,6 @@ def add(
     if not verify:
         text += " No recording was held out (verify), so nothing shows that it holds on other motion."
     return Addition(extended, before, after, waterfall, text, helped, code.backend, biased_parameters(before, after))
-
-
-def _names_an_effect(given: Any) -> bool:
-    """True if the first argument of `add` is an effect: one of one's own, or a text that is no model file."""
-    return isinstance(given, Effect) or (isinstance(given, str) and Path(given).suffix.lower() not in MODEL_FILES)
 
 
 def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:
@@ -216,16 +214,6 @@ def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:
             label = "base" if not now.model.terms else now.model.name
         steps.append(Step(label, now.train_rms, now.verify_rms))
     return Waterfall(tuple(steps), prepared.noise_floor, fits[-1].model, "these were the models given", tuple(fits))
-
-
-def _fall(steps: Sequence[Step]) -> float:
-    """Return the relative fall of the error from the first to the last step, at the joint that gains most.
-
-    Negative where the other joint loses more than this one gains.
-    """
-    old, new = steps[0].evaluation_rms, steps[-1].evaluation_rms
-    change = (old - new) / np.maximum(old, 1e-300)
-    return float(change.max() if change.sum() > 0.0 else change.min())
 
 
 def _admissible(model: Model, fit: Fit, prefix: str) -> str:

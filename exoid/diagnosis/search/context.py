@@ -16,7 +16,7 @@ from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.model_error import noise_with
 from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
 from exoid.diagnosis.evidence.own_sway import own_sway
-from exoid.diagnosis.evidence.ranking import agreed, rank, with_chance
+from exoid.diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chance
 from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.simulated import made_by_itself
@@ -90,7 +90,12 @@ class SearchContext:
         before, term = extension.fitted, score.candidate.term
         model = before.model.with_effect(term.effect, term.joint, own_places=own_places)
         count = len(self.prepared.train)
-        own = score.shape[:count] if not score.candidate.tangent else _from_tangent(score, count)
+        own = score.shape[:count]
+        if score.candidate.tangent:  # its first number as it was weighed, inside its bounds
+            first, *others = term.placed_shape.values()
+            value = float(np.clip(score.coefficients[0], first.min, first.max))
+            rest = [s.typical if s.typical is not None else 0.5 * (s.min + s.max) for s in others]
+            own = np.tile([value, *rest], (count, 1))
         shapes = np.broadcast_to(before.fit.shapes, (count, len(before.shape)))
         start = np.concatenate([shapes, own], axis=1)
         if not any(s.shape.per_recording for s in model.shapes):
@@ -163,11 +168,6 @@ class SearchContext:
         """Weigh a candidate against the model of `extension`, without placebos and splits."""
         return weigh(evidence, candidate, self.library.columns(candidate, extension.fitted))
 
-    def agreed(self, extension: Extension, evidence: Evidence, scores: Sequence[Score]) -> list[Score]:
-        """Return `scores` with what splits of the recordings say about them."""
-        columns = {s.name: self.library.columns(s.candidate, extension.fitted) for s in scores}
-        return agreed(evidence, scores, columns, extension.fitted)
-
     def doubt(self, before: Extension, after: Extension) -> Objection | None:
         """Reason why the term added last must not be accepted, which is kept; None where nothing speaks against."""
         found = doubt(before, after, self.noise(before), self.rules)
@@ -208,11 +208,9 @@ class SearchContext:
 
     def tested(self, extension: Extension, score: Score, draws: int | None = None) -> Score:
         """Weigh the candidate of `score` anew against the model of `extension`, with so many placebos."""
-        evidence = self.evidence(extension, draws)
-        candidate = self.library.find(score.name)
-        known = {score.name: self.library.columns(candidate, extension.fitted)}
-        weighed = [weigh(evidence, candidate, known[score.name])]
-        return with_chance(evidence, agreed(evidence, weighed, known, extension.fitted), known)[0]
+        evidence, candidate = self.evidence(extension, draws), self.library.find(score.name)
+        scores, columns = weigh_all(evidence, self.library, extension.fitted, [candidate])
+        return with_chance(evidence, agreed(evidence, scores, columns, extension.fitted), columns)[0]
 
     def sure(self, score: Score) -> bool:
         """True if an accepted term that was tested anew beside the others may stay."""
@@ -230,11 +228,3 @@ def as_fitted(score: Score, extension: Extension) -> Score:
     shapes = extension.fitted.shapes[:, own]
     nodes = replace(score.candidate, nodes=shapes[:, None, :])
     return replace(score, candidate=nodes, nodes=np.zeros(len(shapes), dtype=int))
-
-
-def _from_tangent(score: Score, count: int) -> Float:
-    """Return start values (R, S) for a number that was weighed as a tangent: its fitted value, inside its bounds."""
-    shapes = list(score.candidate.term.placed_shape.values())
-    value = float(np.clip(score.coefficients[0], shapes[0].min, shapes[0].max))
-    rest = [s.typical if s.typical is not None else 0.5 * (s.min + s.max) for s in shapes[1:]]
-    return np.tile([value, *rest], (count, 1))

@@ -13,6 +13,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.ranking import agreed, weigh_all
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.search.choice import refitted, shortlist
 from exoid.diagnosis.search.context import FEW, SearchContext
@@ -37,8 +38,8 @@ def exchange(context: SearchContext, state: State) -> State:
         effects = [rival for rival in rivals if not rival.reads_torque]
         apart = [r for r in effects if not (_made_of(r, known) or _holds_any(context, without, evidence, r))]
         wanted = [context.library.find(score.name), *apart]
-        weighed = [context.weighed(without, evidence, candidate) for candidate in wanted]
-        helping = [s for s in context.agreed(without, evidence, weighed) if s.eligible]
+        weighed, columns = weigh_all(evidence, context.library, without.fitted, wanted)
+        helping = [s for s in agreed(evidence, weighed, columns, without.fitted) if s.eligible]
         if not helping:
             continue
         near, alike = shortlist(context, without, evidence, helping, {})

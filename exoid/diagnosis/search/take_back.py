@@ -67,7 +67,13 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
 
     @cache
     def without(*names: str) -> _Without:
-        return _Without.of(context, state, [scores[name] for name in names])
+        taken = [scores[name] for name in names]
+        extension = context.without(state.last, taken)
+        evidence = context.evidence(extension, draws=0)
+        fitted = [as_fitted(score, state.last) for score in taken]
+        columns = [columns_at(score.candidate, score.shape, extension.fitted) for score in fitted]
+        numbers = sum(score.candidate.numbers for score in taken)
+        return _Without(names, extension, evidence, tuple(stacked(columns, len(evidence.sigma))), numbers)
 
     for joint in state.last.fitted.model.joint_names:
         here = [n for n, s in scores.items() if s.candidate.term.joint == joint and n in bent]
@@ -94,7 +100,7 @@ def _in_turn(without: Callable[..., _Without], here: Sequence[str], single: Sequ
     """Yield a joint's terms together, then one by one: of two that imitate each other the weaker is beaten first."""
     if len(here) > 1:
         yield without(*here)
-    yield from ascending(map(without, single), lambda one: one.share, 1.0)
+    yield from ascending(map(without, single), lambda item: explained_share(item.evidence, item.columns), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,22 +112,6 @@ class _Without:
     evidence: Evidence
     columns: tuple[Columns, ...]
     numbers: int
-
-    @classmethod
-    def of(cls, context: SearchContext, state: State, scores: Sequence[Score]) -> _Without:
-        """Take `scores` out of the last model of a state."""
-        without = context.without(state.last, scores)
-        evidence = context.evidence(without, draws=0)
-        fitted = [as_fitted(score, state.last) for score in scores]
-        columns = [columns_at(score.candidate, score.shape, without.fitted) for score in fitted]
-        numbers = sum(score.candidate.numbers for score in scores)
-        both = stacked(columns, len(evidence.sigma))
-        return cls(tuple(score.name for score in scores), without, evidence, tuple(both), numbers)
-
-    @property
-    def share(self) -> float:
-        """Share of the held-out loss that the terms explain beside the others."""
-        return explained_share(self.evidence, self.columns)
 
 
 def _superseded(

@@ -52,7 +52,6 @@ class Ranking:
         self._scores: dict[str, Score] = {}
         self._columns: dict[str, tuple[Columns, ...]] = {}
         self._trials: dict[str, FittedModel] = {}
-        self._word: str | None = None
 
     @cached_property
     def evidence(self) -> Evidence:
@@ -114,20 +113,16 @@ class Ranking:
 
     def sureness(self, name: str) -> str:
         """Certainty that the leader is missing, when all placebos were asked; "" of others, which may but follow it."""
-        if not self.finished or not self.scores or self.scores[0].name != name:
-            return ""
-        if self._word is None:
-            first = self.scores[0]
-            doubted = bool(first.caution) or not first.significant or bool(self.alike(name))
-            self._word = sureness(
-                first.p_value, first.agreement, doubted=doubted, left=self._times_left(first), rules=self.rules
-            )
-        return self._word
+        return self._word if self.finished and self.scores and self.scores[0].name == name else ""
 
-    def _times_left(self, score: Score) -> float:
-        """Error beside a candidate at its joints as a multiple of the noise."""
-        trial, floor = self.trial(score.name), np.maximum(sensor_noise(self.fitted.prepared), 1e-300)
-        return 0.0 if trial is None else float(np.max((trial.evaluation_rms / floor)[list(score.candidate.joints)]))
+    @cached_property
+    def _word(self) -> str:
+        """Certainty of the leader; what is left beside it is told as a multiple of the noise at its joints."""
+        first, floor = self.scores[0], np.maximum(sensor_noise(self.fitted.prepared), 1e-300)
+        doubted = bool(first.caution) or not first.significant or bool(self.alike(first.name))
+        trial = self.trial(first.name) or self.fitted
+        left = float(np.max((trial.evaluation_rms / floor)[list(first.candidate.joints)]))
+        return sureness(first.p_value, first.agreement, doubted=doubted, left=left, rules=self.rules)
 
     def explained(self, selected: Sequence[np.ndarray]) -> dict[str, float]:
         """Return, best first, which share of the squared error at the samples `selected` (J, K) of every recording
