@@ -70,12 +70,8 @@ class Grade(AsJson):
         """Say it in words, a line each."""
         said = []
         for effect in self.hidden:
-            how = {
-                "found": f"{effect.name}: found",
-                "in a class": f"{effect.name}: named as a look-alike of {effect.by}",
-                "missed": f"{effect.name}: missed",
-            }[effect.outcome]
-            said.append(how)
+            named = effect.outcome == "in a class"
+            said.append(f"{effect.name}: {f'named as a look-alike of {effect.by}' if named else effect.outcome}")
             for n in effect.numbers:
                 where = "inside" if n.inside else "outside"
                 said.append(f"  {n.name}: true {n.true:.4g}, found {n.value:.4g}, {where} {n.low:.4g} to {n.high:.4g}")

@@ -69,13 +69,11 @@ def falling_error(
         for j, (joint, colour) in enumerate(joint_colours(joints).items()):
             axes = panels[j]
             bars = axes.barh if lie else axes.bar
+            shown, aside, width = (fitted, 0.0, 0.5) if unseen is None else (unseen, 0.2, 0.36)
             if unseen is not None:
-                bars(place - 0.2, fitted[:, j], 0.36, color=colour, alpha=0.45)
-                bars(place + 0.2, unseen[:, j], 0.36, color=colour)
-                _numbers(axes, place + 0.2, unseen[:, j], lie)
-            else:
-                bars(place, fitted[:, j], 0.5, color=colour)
-                _numbers(axes, place, fitted[:, j], lie)
+                bars(place - aside, fitted[:, j], width, color=colour, alpha=0.45)
+            bars(place + aside, shown[:, j], width, color=colour)
+            _numbers(axes, place + aside, shown[:, j], lie)
             (axes.axvline if lie else axes.axhline)(noise_floor[j], color=INK, linestyle="--", linewidth=1.0)
             if lie:
                 axes.set_yticks(place, [fill(name, 40) for name in names], fontsize=8)

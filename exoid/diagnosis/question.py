@@ -18,13 +18,13 @@ from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.stretches import searched_stretches
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
 from exoid.diagnosis.readings import readings_of
-from exoid.diagnosis.results import Step
+from exoid.diagnosis.results import Conclusion, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.engine import Found, run_search
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.settings import DiscoverySettings
-from exoid.diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
+from exoid.diagnosis.verdict import check_channels, doubted, pushed, within_filter_error
 from exoid.ground.progress import Progress
 from exoid.measurement.auditing.masses import MASSES
 from exoid.measurement.finding import Finding

@@ -246,16 +246,33 @@ class Falling(Reported):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis(Falling):
-    """The answer of `diagnose` (at most one step) and `discover` (to the end).
+class Conclusion:
+    """Verdict, the rule that fired, the sentence, why it stopped, and what to measure next.
 
     `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
-    to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
-    N·m. `of_recordings` is what belongs to recordings, a zero or a load of their own; `possible` are effects that
-    help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
-    fitted to all the recordings as they were prepared, `last` the one that was found, on them without what belongs to
-    recordings. `forces` are the measured ones of the model, `left_out`
-    recordings that are not of what the others are of, `power` what would have shown where nothing is missing.
+    to it, `sentence` says it to a technician. `error` is what is left beside what was found.
+    """
+
+    verdict: str
+    rule: str
+    sentence: str
+    stopped_because: str
+    next_experiment: str
+    error: ModelError | None = field(default=None, kw_only=True)
+    outside: bool = field(default=False, kw_only=True)
+    """Whether the error is not the machine's: something acts from outside that was not measured; nothing else is then
+    said of the machine's numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis(Falling, Conclusion):
+    """The answer of `diagnose` (at most one step) and `discover` (to the end).
+
+    `fit` is that of the last of the `steps`. `of_recordings` is what belongs to recordings, a zero or a load of their
+    own; `possible` are effects that help and are not accepted. `rules` are the thresholds that decided, `given` is the
+    model that was asked about, fitted to all the recordings as they were prepared, `last` the one that was found, on
+    them without what belongs to recordings. `forces` are the measured ones of the model, `left_out` recordings that are
+    not of what the others are of, `power` what would have shown where nothing is missing.
     """
 
     schema: ClassVar[str] = SCHEMA
@@ -265,20 +282,14 @@ class Diagnosis(Falling):
         "summary": "print(found)",
     }
 
-    verdict: str
-    rule: str
-    sentence: str
     accepted: tuple[Accepted, ...]
     suspects: tuple[Suspect, ...]
     unexplained: Remainder | None
     audit: tuple[Finding, ...]
     seconds: float
-    next_experiment: str
     fit: Fit = field(repr=False)
     cutoff: str = ""
-    stopped_because: str = ""
     biased: tuple[str, ...] = ()
-    error: ModelError | None = None
     possible: tuple[Possible, ...] = ()
     rules: Rules = field(default=RULES, repr=False)
     thigh_length: ThighLength | None = None
@@ -288,8 +299,6 @@ class Diagnosis(Falling):
     left_out: tuple[Apart, ...] = ()
     power: tuple[Power, ...] = ()
     of_recordings: tuple[Belonging, ...] = ()
-    outside: bool = False
-    """Whether the error is not the machine's: something that was not measured acts from outside."""
     inside: Diagnosis | None = field(default=None, repr=False)
     """The answer of the machine alone, where that, or a doubt about what a search found, is told in its place."""
 

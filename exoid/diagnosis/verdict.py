@@ -16,7 +16,7 @@ from exoid.diagnosis.evidence.model_error import ModelError, beside_floor, model
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.swinging import Swing, swinging
-from exoid.diagnosis.results import Accepted, Possible
+from exoid.diagnosis.results import Accepted, Conclusion, Possible
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.text import digits
 from exoid.ground.ties import ascending, index_of_greatest
@@ -33,22 +33,6 @@ from exoid.symbolic.wording import called, number_called, number_said, the_joint
 
 if TYPE_CHECKING:
     from exoid.diagnosis.evidence.fitted import FittedModel
-
-
-@dataclass(frozen=True)
-class Conclusion:
-    """Verdict, the rule that fired, the sentence, why it stopped, and what to measure next.
-
-    `outside` is set where the error is not the machine's: nothing else is then said of its numbers.
-    """
-
-    verdict: str
-    rule: str
-    sentence: str
-    stopped_because: str
-    next_experiment: str
-    error: ModelError | None = None
-    outside: bool = False
 
 
 def conclude(
@@ -172,7 +156,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
         if short:
             text += f" They could not show much: {short}.{end.nearest}"
             advice = advice or "record more motion of this kind: small effects show only in the mean of much"
-    return Conclusion(verdict, rule, text, end.stopped, advice, error)
+    return Conclusion(verdict, rule, text, end.stopped, advice, error=error)
 
 
 def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclusion:
@@ -207,7 +191,7 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
         text += which if len(alike) < len(accepted) else " Which of the look-alikes it is, these recordings cannot say."
     # What is ambiguous of several effects is told of that one; the others are missing for certain.
     verdict = "ambiguous" if len(alike) == len(accepted) else "missing"
-    return Conclusion(verdict, rule, text, end.stopped, advice, error)
+    return Conclusion(verdict, rule, text, end.stopped, advice, error=error)
 
 
 def _far_where_fitted(last: FittedModel, rules: Rules) -> list[str]:

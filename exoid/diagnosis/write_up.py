@@ -22,12 +22,12 @@ from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.own_numbers.numbers import Belonging, OwnNumbers
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
-from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
+from exoid.diagnosis.results import Accepted, Conclusion, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import known_with_shape
 from exoid.diagnosis.search.state import Extension
-from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
+from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.ties import ascending
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
@@ -152,10 +152,9 @@ def write_up(
     suspects = [_suspect(s, named, before, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution]
     if leading is not None:
         suspects = [replace(s, caution=leading.reason) if s.name == leading.name else s for s in suspects]
+    sentence = " ".join(filter(None, (conclusion.sentence, said, "" if silent else _reserve(prepared))))
     return Diagnosis(
-        verdict=conclusion.verdict,
-        rule=conclusion.rule,
-        sentence=" ".join(filter(None, (conclusion.sentence, said, "" if silent else _reserve(prepared)))),
+        **vars(conclusion) | {"sentence": sentence},
         accepted=accepted,
         suspects=tuple(best_first(suspects, lambda one: one.sureness, lambda one: one.explained_share)),
         steps=steps,
@@ -169,14 +168,10 @@ def write_up(
         ),
         thigh_length=length,
         seconds=time.perf_counter() - began,
-        next_experiment=conclusion.next_experiment,
         model=last.fitted.model,
         fit=last.fitted.fit,
         cutoff=prepared.choice.reason,
-        stopped_because=conclusion.stopped_because,
         biased=biased_parameters(extensions[0].fitted.fit, last.fitted.fit),
-        outside=conclusion.outside,
-        error=conclusion.error,
         possible=possible,
         rules=done.context.rules,
         given=done.base,
@@ -226,9 +221,6 @@ def _suspect(score: Score, accepted: dict[str, Accepted], before: Float, noise_f
     Of one that was added it is what the refit found at its step, on the motion that the steps show.
     """
     term, mine = score.candidate.term, accepted.get(score.name)
-    if mine is not None:
-        return Suspect(
-            term.effect.id, term.joint, mine.share, score.p_value, mine.look_alikes, score.caution, mine.sureness
-        )
-    share = share_of_own_joints(score, before, noise_floor)
-    return Suspect(term.effect.id, term.joint, share, score.p_value, (), score.caution, "")
+    share = share_of_own_joints(score, before, noise_floor) if mine is None else mine.share
+    alike, sure = ((), "") if mine is None else (mine.look_alikes, mine.sureness)
+    return Suspect(term.effect.id, term.joint, share, score.p_value, alike, score.caution, sure)

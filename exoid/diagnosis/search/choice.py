@@ -145,8 +145,7 @@ def refitted(
         known = rival.name in losses and than.name in losses
         chance = NormalDist().inv_cdf(1.0 - rules.level)
         tied = not known or lag(losses[than.name], losses[rival.name]) < chance
-        # With all its nodes: what was refined for each recording has its best alone.
-        return tied and contains(context, extension, evidence, context.library.find(rival.name), than)
+        return tied and contains(context, extension, evidence, rival.candidate, than)
 
     plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0])]
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
