@@ -34,10 +34,11 @@ def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
     if doubt is None and (own := _own_numbers(fitted, rules)):
         return own
     share = left_share(fitted)
-    if doubt is None and np.nanmax(share, initial=0.0) > rules.worth_telling:
+    most = np.nanmax(share, initial=0.0)
+    if doubt is None and most > rules.worth_telling:
         last = most_effects(fitted, rules)
         doubt = reading_doubt(last.fit, (term.name for term in last.model.terms))
-    if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
+    if doubt is None and most > rules.unexplained_share:
         parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in finite(share, fitted.model.joint_names))
         text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"
         doubt = Doubt("unexplained", text, f"{COLUMNS}; `exoid discover` finds which of the two it is")

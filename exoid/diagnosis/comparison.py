@@ -103,10 +103,9 @@ class Comparison(Reported):
 
         On the first recording that is held out, or the first of all.
         """
-        held_out = self.verify_rms is not None
         pairs = zip(self.joints, self.now.evaluation_rms, after.evaluation_rms, strict=True)
         text = "; ".join(f"{joint}: error {digits(b)} before, {digits(a)} {self.unit} after" for joint, b, a in pairs)
-        kind = "unseen motion" if held_out else "the fitted motion"
+        kind = "the fitted motion" if self.verify_rms is None else "unseen motion"
         figure = torques_over_time({"before": self.now, "after": after})
         return f"Measured, before and after, on {kind}", text, figure
 

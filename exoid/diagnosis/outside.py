@@ -47,9 +47,8 @@ def acts_at(force: Force, estimates: Sequence[Estimate]) -> tuple[float, float, 
     estimate of the place where that was identified.
     """
     known = {estimate.name: estimate for estimate in estimates}
-    gain = known.get(f"{force.name}.gain")
+    gain, both, place = (known.get(f"{force.name}.{key}") for key in ("gain", "gain_at", "at"))
     size = force.gain if force.gain is not None else 1.0 if gain is None else gain.value
-    both, place = known.get(f"{force.name}.gain_at"), known.get(f"{force.name}.at")
     if both is not None:
         return both.value / size if size else 0.0, size, None
     return (place.value if place is not None else force.along), size, place

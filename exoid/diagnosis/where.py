@@ -93,8 +93,8 @@ def _at_joint(now: FittedModel, joint: str, curves: Sequence[Remainder]) -> list
     found: dict[str, Where] = {}
     if not total:
         return []
-    for item in (c for c in curves if c.joint == joint and c.joint_share >= LEAST_SHARE):
-        if item.variable in found:
+    for item in curves:
+        if item.joint != joint or item.joint_share < LEAST_SHARE or item.variable in found:
             continue
         after = left - _followed(item, samples_of(now, joint, item.variable, train=True), left)
         share = min(item.joint_share, float(left @ left - after @ after) / total)

@@ -4,7 +4,7 @@ it, or the dry part alone (a brake that drags), or the viscous part alone (cold 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -16,12 +16,11 @@ from exoid.symbolic.motion import Float
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another level of each joint's friction, of all or of a part, a factor to the others' level."""
-    parts: dict[str, Callable[[int, Seen], Float]]
-    parts = {"": friction, "dry ": partial(_of_base, 0), "viscous ": partial(_of_base, 1)}
+    parts = (("", friction), ("dry ", partial(_of_base, 0)), ("viscous ", partial(_of_base, 1)))
     return tuple(
         Claim("friction_level", joint.name, "1", at_joint(k, partial(part, k)), (-1.0, 4.0), 1.0, factor=True, of=of)
         for k, joint in enumerate(model.joints)
-        for of, part in parts.items()
+        for of, part in parts
     )
 
 
