@@ -7,4 +7,4 @@ from .discovery import discover as discover
 from .evidence.fitted import fitted_model as fitted_model
 from .extend import add as add
 from .separation.design import separate as separate
-from .session.session import Session as Session
+from .session import Session as Session

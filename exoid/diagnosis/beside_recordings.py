@@ -68,11 +68,6 @@ class _Against:
         """The thresholds that decide."""
         return self.asking.question.rules
 
-    @property
-    def given(self) -> Prepared:
-        """The recordings with what belongs to them alone."""
-        return self.base.prepared
-
     @cached_property
     def machines(self) -> list[tuple[float, FittedModel]]:
         """The last model, and that with each entry nearest to what it leaves, with the share each explains."""
@@ -82,7 +77,7 @@ class _Against:
     @property
     def near(self) -> bool:
         """True if numbers of recordings may be hidden by one of the nearest entries, and that by them."""
-        return len(self.given.all) > 1 and _leaves_more(self.answer)
+        return len(self.base.prepared.all) > 1 and _leaves_more(self.answer)
 
     @cached_property
     def bounds(self) -> list[tuple[float, FittedModel]]:
@@ -105,14 +100,14 @@ class _Against:
             return
         alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules, ways=self.ways)
         for own in dict.fromkeys((alone, found)):
-            if own is not None and self.is_worth(own, own.beside(self.last, self.given)):
+            if own is not None and self.is_worth(own, own.beside(self.last, self.base.prepared)):
                 yield own, self.ways
         for left, machine in ascending(self.bounds[1:] if self.near else (), lambda pair: pair[0], 1.0):
             own = _belonging_beside(machine, self.rules) if left <= self.rules.near_noise else None
-            if own is not None and is_near_noise(own.beside(machine, self.given), self.rules):
+            if own is not None and is_near_noise(own.beside(machine, self.base.prepared), self.rules):
                 yield own, self.ways
         zeros = _belonging_beside(self.last, self.rules, ways=0) if self.near and self.ways > 1 else None
-        if zeros is not None and self.is_worth(zeros, zeros.beside(self.last, self.given)):
+        if zeros is not None and self.is_worth(zeros, zeros.beside(self.last, self.base.prepared)):
             yield zeros, 0
 
     def is_worth(self, own: OwnNumbers, beside: FittedModel) -> bool:
@@ -122,13 +117,13 @@ class _Against:
             return False
         return predicts_better(self.last, beside, self.rules, own.cuts) and all(
             alone < self.rules.most * share
-            or predicts_better(machine, own.beside(machine, self.given), self.rules, own.cuts)
+            or predicts_better(machine, own.beside(machine, self.base.prepared), self.rules, own.cuts)
             for alone, machine in self.machines
         )
 
     def answer_beside(self, own: OwnNumbers, ways: int) -> Diagnosis | None:
         """Return the answer beside numbers of recordings; None where it may not stand in place of the other."""
-        rival, explained, own = _with_own(self.asking, self.given, own, ways)
+        rival, explained, own = _with_own(self.asking, self.base.prepared, own, ways)
         told = own.without([entry.recording for entry in rival.left_out])
         least = self.rules.half if len(own.ways) == 1 else self.rules.most
         main = bool(own.ways) and explained_by(self.last, explained) >= least

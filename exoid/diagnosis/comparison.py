@@ -155,10 +155,8 @@ class Comparison(Reported):
 
     def _repr_html_(self) -> str:
         unseen = [None] * len(self.joints) if self.verify_rms is None else self.verify_rms.tolist()
-        size = [
-            (joint, float(self.signal_rms[j]), float(self.rms[j]), unseen[j], float(self.noise_floor[j]))
-            for j, joint in enumerate(self.joints)
-        ]
+        known, fitted, floor = (x.tolist() for x in (self.signal_rms, self.rms, self.noise_floor))
+        size = [*zip(self.joints, known, fitted, unseen, floor, strict=True)]
         where = [(f"{100 * w.share:.0f} %", w.sentence, w.caution) for w in self.where[:6]]
         return (
             table((f"RMS [{self.unit}]", "torque", "error, fitted", "error, unseen", "noise floor"), size)

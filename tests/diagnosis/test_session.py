@@ -6,7 +6,7 @@ import cloudpickle
 import numpy as np
 import pytest
 
-from exoid.diagnosis.session.session import Session
+from exoid.diagnosis.session import Session
 from exoid.ground.toml_reader import Table
 from exoid.measurement.reading.read import read_recording
 from exoid.symbolic.custom_effect import read_custom_effect

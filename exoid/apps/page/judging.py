@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from exoid.apps.page.search import BackgroundSearch
     from exoid.diagnosis.evidence.fitted import FittedModel
     from exoid.diagnosis.results import Diagnosis
-    from exoid.diagnosis.session.session import Session
+    from exoid.diagnosis.session import Session
 
 Then = Callable[["Session", "Diagnosis | None", str], None]
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from exoid.apps.page.workspace import Workspace
     from exoid.diagnosis.evidence.fitted import FittedModel
-    from exoid.diagnosis.session.session import Session
+    from exoid.diagnosis.session import Session
 
 
 def packed(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:

@@ -15,7 +15,7 @@ from exoid.ground.plain import plain
 
 if TYPE_CHECKING:
     from exoid.diagnosis.results import Diagnosis
-    from exoid.diagnosis.session.session import Session
+    from exoid.diagnosis.session import Session
 
 
 class BackgroundSearch:

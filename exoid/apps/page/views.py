@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     from exoid.diagnosis.evidence.fitted import FittedModel
     from exoid.diagnosis.evidence.score import Score
     from exoid.diagnosis.results import Accepted, Diagnosis
-    from exoid.diagnosis.session.ranking import Ranking
-    from exoid.diagnosis.session.session import Session
+    from exoid.diagnosis.session import Ranking, Session
     from exoid.measurement.finding import Finding
     from exoid.measurement.recording import Recording
     from exoid.symbolic.effect import Effect

@@ -17,8 +17,7 @@ from exoid.apps.page.workspace import TOLD_EVERY, Names, Workspace
 from exoid.ground.errors import ExoidError, internal
 
 if TYPE_CHECKING:
-    from exoid.diagnosis.session.ranking import Ranking
-    from exoid.diagnosis.session.session import Session
+    from exoid.diagnosis.session import Ranking, Session
 
 
 def start_work(workspace: Workspace) -> None:
@@ -95,7 +94,7 @@ def _read(space: Workspace, one: Given) -> None:
 
 def _rebuild(space: Workspace) -> None:
     """Make a new session of the files as they are now; effects and history stay."""
-    from exoid.diagnosis.session.session import Session
+    from exoid.diagnosis.session import Session
 
     with space.lock:
         space.stale = False

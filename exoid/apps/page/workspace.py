@@ -28,8 +28,7 @@ from exoid.measurement.signals.methods import BUTTERWORTH
 if TYPE_CHECKING:
     from exoid.apps.page.search import BackgroundSearch
     from exoid.diagnosis.results import Diagnosis
-    from exoid.diagnosis.session.ranking import Ranking
-    from exoid.diagnosis.session.session import Session
+    from exoid.diagnosis.session import Ranking, Session
     from exoid.measurement.reading.mapping import StatedMapping
     from exoid.symbolic.effect import Effect
     from exoid.symbolic.joints import Joint

@@ -10,7 +10,7 @@ Models are named by the effects that they have beyond the one given: `("stribeck
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Unpack
@@ -19,16 +19,24 @@ import numpy as np
 
 from exoid.diagnosis.comparison import Comparison, compare_prepared
 from exoid.diagnosis.discovery import answer_of
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pay
+from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library, build_library
-from exoid.diagnosis.evidence.model_error import ModelError, model_error
+from exoid.diagnosis.evidence.look_alikes import look_alikes
+from exoid.diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
+from exoid.diagnosis.evidence.placebo import placebo
+from exoid.diagnosis.evidence.ranking import agreed, mark_significant
+from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.stretches import origins, searched_stretches
 from exoid.diagnosis.question import Question, own_effects
 from exoid.diagnosis.results import Diagnosis, Step
-from exoid.diagnosis.rules import Rules
-from exoid.diagnosis.session.ranking import Ranking
+from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.settings import DiscoveryOptions, DiscoverySettings
+from exoid.diagnosis.sureness import sureness
 from exoid.ground.progress import Progress, silent
+from exoid.ground.ties import ascending
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
 from exoid.optimisation.fitting.identify import identify
@@ -38,6 +46,12 @@ from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 Names = Sequence[str]
+FIRST_DRAWS = 99
+"""Placebos of the first look at a candidate; all that the rules ask for come after."""
+DRAWN = 12
+"""Placebos that are drawn behind a candidate."""
+RIVALS = 8
+"""Candidates that are asked whether they look alike."""
 
 
 class Session:
@@ -225,3 +239,146 @@ class Session:
 def _id(name: str) -> str:
     """Return the effect's id in "stribeck:knee" or "stribeck:knee.v_s"."""
     return name.partition(":")[0].partition(".")[0]
+
+
+class Ranking:
+    """All candidates of `library` against `fitted` while one looks on; `work()` goes on by steps, the rest only looks.
+
+    The same questions as `evidence.ranking.rank` asks, in small portions: whoever waits sees the order first, then
+    p-values from few placebos, then from all of them. `scores` grows with the work. `draws` says from how many placebos
+    the p-value of a candidate comes.
+    """
+
+    def __init__(self, fitted: FittedModel, library: Library, *, seed: int = 0, rules: Rules = RULES) -> None:
+        self.fitted, self.library, self.seed, self.rules = fitted, library, seed, rules
+        present = {term.name for term in fitted.model.terms}
+        todo = [c for c in library.candidates if c.name not in present]
+        # A user's own effects first; then those whose columns cost least.
+        self.candidates: tuple[Candidate, ...] = tuple(sorted(todo, key=_cost))
+        self.draws: dict[str, int] = {}
+        self.finished = False
+        self._scores: dict[str, Score] = {}
+        self._columns: dict[str, tuple[Columns, ...]] = {}
+        self._trials: dict[str, FittedModel] = {}
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """Evidence that the candidates are weighed with."""
+        return self.fitted.evidence(seed=self.seed, rules=self.rules)
+
+    @property
+    def scores(self) -> list[Score]:
+        """Those weighed so far, best first."""
+        return ascending(self._scores.values(), lambda score: -score.share, 1.0)
+
+    @property
+    def weighed(self) -> float:
+        """Share of the candidates that are weighed."""
+        return len(self._scores) / max(1, len(self.candidates))
+
+    def score(self, name: str) -> Score | None:
+        """Return the score of a candidate; None where it is not weighed (yet)."""
+        return self._scores.get(name)
+
+    def work(self) -> Iterator[str]:
+        """Do the next portion of the work at every step, and say which candidate it was about."""
+        for candidate in self.candidates:
+            columns = self.library.columns(candidate, self.fitted)
+            self._columns[candidate.name] = columns
+            self._scores[candidate.name] = weigh(self.evidence, candidate, columns)
+            yield candidate.name
+        for score in agreed(self.evidence, self.scores, self._columns, self.fitted):
+            self._scores[score.name] = score
+        promising = [s.name for s in self.scores if s.eligible][: self.rules.placebo_for]
+        few = self.fitted.evidence(seed=self.seed, draws=FIRST_DRAWS, rules=self.rules)
+        for evidence in (few, self.evidence):
+            for name in promising:
+                self._scores[name] = placebo(evidence, self._scores[name], self._columns[name])
+                self.draws[name] = evidence.draws
+                yield name
+        for score in mark_significant(self.scores, self.rules.level):
+            self._scores[score.name] = score
+        self.finished = True
+
+    def trial(self, name: str) -> FittedModel | None:
+        """The model with what would be left beside a candidate, linear about the present numbers, which are refitted
+        with it; shape values are the best that were tried. None where it is not weighed (yet).
+        """
+        if name not in self._scores:
+            return None
+        if name not in self._trials:
+            self._trials[name] = replace(self.fitted, residuals=self._left(self._best(self._scores[name])))
+        return self._trials[name]
+
+    def alike(self, name: str) -> tuple[str, ...]:
+        """Return the candidates that these recordings cannot distinguish from this one."""
+        score = self._scores.get(name)
+        if score is None or score.share < self.rules.least_share:
+            return ()
+        near = [s for s in self.scores if s is not score and s.share >= 0.5 * score.share and not s.caution]
+        pairs = [(s, self._best(s)) for s in (score, *near[:RIVALS])]
+        return tuple(look_alikes(self.evidence, pairs[0], pairs[1:]))
+
+    def sureness(self, name: str) -> str:
+        """Certainty that the leader is missing, when all placebos were asked; "" of others, which may but follow it."""
+        return self._word if self.finished and self.scores and self.scores[0].name == name else ""
+
+    @cached_property
+    def _word(self) -> str:
+        """Certainty of the leader; what is left beside it is told as a multiple of the noise at its joints."""
+        first, floor = self.scores[0], np.maximum(sensor_noise(self.fitted.prepared), 1e-300)
+        doubted = bool(first.caution) or not first.significant or bool(self.alike(first.name))
+        trial = self.trial(first.name) or self.fitted
+        left = float(np.max((trial.evaluation_rms / floor)[list(first.candidate.joints)]))
+        return sureness(first.p_value, first.agreement, doubted=doubted, left=left, rules=self.rules)
+
+    def explained(self, selected: Sequence[np.ndarray]) -> dict[str, float]:
+        """Return, best first, which share of the squared error at the samples `selected` (J, K) of every recording
+        each candidate would take away. Its numbers are those for all recordings: nothing is fitted to the selection.
+        """
+        parts = zip(selected, self.fitted.prepared.all, strict=True)
+        weight = [chosen * item.used / self.evidence.sigma[:, None] ** 2 for chosen, item in parts]
+        before = sum(float(np.sum(w * r**2)) for w, r in zip(weight, self.fitted.residuals, strict=True))
+        if not before > 0.0:
+            return {}
+        out = {}
+        for name in list(self._scores):
+            trial = self.trial(name)
+            if trial is not None:
+                after = sum(float(np.sum(w * r**2)) for w, r in zip(weight, trial.residuals, strict=True))
+                out[name] = 1.0 - after / before
+        return dict(ascending(out.items(), lambda pair: -pair[1], 1.0))
+
+    def _best(self, score: Score) -> list[Columns]:
+        """Return the columns of a candidate at its best shape values."""
+        return [c.node(int(n)) for c, n in zip(self._columns[score.name], score.nodes, strict=True)]
+
+    def band(self, name: str) -> tuple[tuple[Float, ...], tuple[Float, ...]] | None:
+        """Return between which residuals (J, K) N·m the placebos of a candidate stay, recording by recording; None
+        where it is not weighed (yet).
+        """
+        if name not in self._scores:
+            return None
+        columns, shifts = self._best(self._scores[name]), self.evidence.shifts
+        low: list[Float] = []
+        high: list[Float] = []
+        for draw in range(min(DRAWN, self.evidence.draws)):
+            left = self._left([_shifted(c, int(s[draw])) for c, s in zip(columns, shifts, strict=True)])
+            low = [np.minimum(a, b) for a, b in zip(low or left, left, strict=True)]
+            high = [np.maximum(a, b) for a, b in zip(high or left, left, strict=True)]
+        return tuple(low), tuple(high)
+
+    def _left(self, columns: Sequence[Columns]) -> tuple[Float, ...]:
+        """Return the residuals beside a candidate's columns (one node), everything refitted on training recordings."""
+        coefficients, step = self.evidence.fitted(self.evidence.plain(columns))
+        return tuple(self.evidence.left(k, step, own, coefficients) for k, own in enumerate(columns))
+
+
+def _cost(candidate: Candidate) -> tuple[bool, bool, int]:
+    effect = candidate.term.effect
+    return not effect.custom, effect.derive is not None, candidate.nodes.shape[1]
+
+
+def _shifted(columns: Columns, samples: int) -> Columns:
+    """Return the columns shifted circularly in time."""
+    return replace(columns, values=np.roll(columns.values, samples, axis=2))
