@@ -77,9 +77,7 @@ def answer_of_machine(asking: Asking, base: FittedModel) -> Diagnosis:
 
 
 def _answer(asking: Asking, base: FittedModel) -> Diagnosis:
-    """Return the answer of all the recordings together, to which `base` is fitted: that of the machine, unless that is
-    no explanation and something outside is one.
-    """
+    """Return the answer of all the recordings together: that of the machine, unless something outside explains more."""
     done, answer = _inside(asking, base)
     outside = asking.question.pushed(done, asking.tick)
     if outside is None or outside.answer is None:

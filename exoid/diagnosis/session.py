@@ -354,9 +354,7 @@ class Ranking:
         return [c.node(int(n)) for c, n in zip(self._columns[score.name], score.nodes, strict=True)]
 
     def band(self, name: str) -> tuple[tuple[Float, ...], tuple[Float, ...]] | None:
-        """Return between which residuals (J, K) N·m the placebos of a candidate stay, recording by recording; None
-        where it is not weighed (yet).
-        """
+        """Return residuals (J, K) N·m between which placebos of a candidate stay, by recording; None if not weighed."""
         if name not in self._scores:
             return None
         columns, shifts = self._best(self._scores[name]), self.evidence.shifts

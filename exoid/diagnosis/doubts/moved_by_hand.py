@@ -1,6 +1,4 @@
-"""Every torque is a function of the angles alone: a machine that is moved by hand while its drives carry its weight, or
-a column that is a command.
-"""
+"""Every torque is a function of the angles alone: a machine that is moved by hand, or a column that is a command."""
 
 from __future__ import annotations
 

@@ -35,9 +35,7 @@ is worse."""
 def choose(
     context: SearchContext, extension: Extension, evidence: Evidence, scores: Sequence[Score], banned: frozenset[str]
 ) -> tuple[Extension | None, frozenset[str]]:
-    """Return the model with the best candidate that really helps after a full refit, or None, and the names of those
-    that led and did not outlive one.
-    """
+    """Return the model with the best candidate that helps after a refit, or None, and who led in vain."""
     failed: frozenset[str] = frozenset()
     known: dict[str, Refined] = {}
     banned = banned | plainer_together(context, extension, evidence, scores)
