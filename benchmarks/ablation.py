@@ -77,11 +77,10 @@ def _switches() -> Iterator[Switch]:
     yield Switch("search.choice", "outlives_noise", _says(True))
     yield Switch("search.choice", "_twins", _says([]))
     yield Switch("search.containing", "contains", _says(False))
-    yield Switch("search.exchange", "exchange", _as_it_was)
-    for name in ("prune", "drop_unsteady"):
+    for name in ("prune", "exchange", "drop_unsteady"):
         yield Switch("search.engine", name, _as_it_was)
-    yield Switch("search.exchange", "_made_of", _says(False))
-    yield Switch("search.exchange", "_holds_any", _says(False))
+    yield Switch("search.engine", "_made_of", _says(False))
+    yield Switch("search.engine", "_holds_any", _says(False))
     yield Switch("search.take_back", "proxies", _says(frozenset()))
     yield Switch("search.take_back", "_superseded", _says(set()))
     yield Switch("evidence.proxies", "_bumps", _says([]))

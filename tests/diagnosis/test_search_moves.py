@@ -16,8 +16,7 @@ from exoid.diagnosis.search import choice
 from exoid.diagnosis.search import take_back as module
 from exoid.diagnosis.search.choice import contains
 from exoid.diagnosis.search.doubt import refuted
-from exoid.diagnosis.search.engine import Found, drop_unsteady, forward, prune, run_search
-from exoid.diagnosis.search.exchange import exchange
+from exoid.diagnosis.search.engine import Found, drop_unsteady, exchange, forward, prune, run_search
 from exoid.diagnosis.search.take_back import take_back
 from exoid.symbolic.model import Model
 
