@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import permutations
 from typing import Unpack
 
 import numpy as np
@@ -56,6 +57,7 @@ FINALISTS = 4
 USUAL = 3
 """Motions drawn at random for comparison; their median counts."""
 
+
 class SeparateError(ExoidError):
     """Rivals that cannot be compared: fewer than two, or the same one twice."""
 
@@ -96,24 +98,24 @@ def separate(
     pairs = _pairs(truths, same)
     if prepared is not None:
         filter_ = prepared.choice.cutoff
-    measure = Distances(truths, pairs, noise, asked.duration, filter_)
+    measure = Distances(base, pairs, noise, asked.duration, filter_)
     motion: Fourier | None = None
+    apart: dict[tuple[str, str], float] = {}
     if pairs:
         found = _search(space, measure, asked.generations, asked.seed, say)
         say(0.85, "evaluating the motions")
-        motion = least_of(found, lambda one: -min(measure.motion(one).values()))
-    usual = [measure.motion(item) for item in drawn] if pairs else []
+        tried = [(item, measure.motion(item)) for item in found]
+        motion, apart = least_of(tried, lambda item: -min(item[1].values()))
+    usual = [measure.motion(item) for item in drawn]
     return Separation(
         model=base,
         rivals=tuple(truths),
         same=same,
         trajectory=motion,
-        apart=measure.motion(motion) if motion is not None else {},
+        apart=apart,
         present=measure.recordings(prepared.train) if prepared is not None else None,
-        present_seconds=(
-            sum(len(recording.kept) / recording.kept_rate for recording in prepared.train) if prepared else 0.0
-        ),
-        usual={pair: float(np.median([entry[pair] for entry in usual])) for pair in measure.names},
+        present_seconds=sum(len(item.kept) / item.kept_rate for item in prepared.train) if prepared else 0.0,
+        usual={pair: float(np.median([entry[pair] for entry in usual])) for pair in apart},
         noise=noise,
         duration=asked.duration,
         cutoff=filter_,
@@ -170,7 +172,9 @@ def _truths(
         model = replace(base, terms=(*base.terms, term))
         usual = nominal(model, numbers)
         if prepared is None:
-            source = "identified" if numbers is not None and _has(numbers, term) else "typical size"
+            own = (*numbers.linear, *numbers.shape) if numbers is not None else ()
+            known = any(name.startswith(f"{term.name}.") for name in own)
+            source = "identified" if known else "typical size"
             truths.append(Rival(term.name, model, usual.linear, usual.shape, source))
             continue
         say(0.05 + 0.1 * k, f"fitting {term.name} to the recordings")
@@ -187,14 +191,8 @@ def _truths(
     if not fits or prepared is None:
         return tuple(truths), None
     best = least_of(fits, lambda fit: fit.loss)
-    rate = prepared.train[0].kept_rate
-    data = best.data
-    noise = residual_noise(best.residual, data.use, data.groups, rate, prepared.choice.cutoff, base.joints)
-    return tuple(truths), noise
-
-
-def _has(numbers: Numbers, term: Term) -> bool:
-    return any(name.startswith(f"{term.name}.") for name in (*numbers.linear, *numbers.shape))
+    of, rate = best.data, prepared.train[0].kept_rate
+    return tuple(truths), residual_noise(best.residual, of.use, of.groups, rate, prepared.choice.cutoff, base.joints)
 
 
 def _possible(model: Model, linear: Float, term: Term) -> bool:
@@ -204,19 +202,11 @@ def _possible(model: Model, linear: Float, term: Term) -> bool:
     return inside and (not own or any(v != 0.0 for v, _ in own))
 
 
-def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[int, int], ...]:
+def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[Rival, Rival], ...]:
     """Return the (truth, rival) that a motion can distinguish at all."""
-    place = {truth.name: k for k, truth in enumerate(truths)}
-    lost = set()
-    for item in same:
-        if item.second:
-            lost.add((place[item.first], place[item.second]))
-            if item.mutual:
-                lost.add((place[item.second], place[item.first]))
-        else:
-            lost |= {(place[item.first], k) for k in range(len(truths))}
-    count = len(truths)
-    return tuple((a, b) for a in range(count) for b in range(count) if a != b and (a, b) not in lost)
+    lost = {(item.first, item.second) for item in same} | {(item.second, item.first) for item in same if item.mutual}
+    pairs = permutations(truths, 2)
+    return tuple((a, b) for a, b in pairs if not lost.intersection({(a.name, b.name), (a.name, "")}))
 
 
 def _search(space: MotionSpace, measure: Distances, generations: int, seed: int, say: Progress) -> list[Fourier]:
