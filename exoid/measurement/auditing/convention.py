@@ -4,8 +4,8 @@ Angles and torques are read in every usual way and combination; for each reading
 inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole machine mirrored
 (angles and torques negated) is the same one, so such pairs of readings count as one. A reading is only named where the
 recordings as they stand contradict the pendulum and the other reading fits far better, and where the recordings as they
-stand are not explained better still for part of the time (`in_part.py`), or with late torques: a foot on the ground is
-no wrong sign.
+stand are not explained better still for part of the time, or with late torques: a foot on the ground is no wrong sign.
+The zeros of encoders are looked for where angles are counts: these start anywhere, so that no usual zero need fit.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,6 @@ from exoid.ground.minimum import minimum
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import ascending, index_of_least, order_of, tied
 from exoid.measurement.auditing.channels import place_of_all
-from exoid.measurement.auditing.encoder_zeros import best_zeros, counted_joints
 from exoid.measurement.auditing.hypotheses import (
     BEAM,
     RATIOS,
@@ -33,8 +33,8 @@ from exoid.measurement.auditing.hypotheses import (
     turning_joints,
     with_ratios,
 )
-from exoid.measurement.auditing.in_part import left_in_part
 from exoid.measurement.auditing.power_left import (
+    left_in_part,
     power_left,
     quiet_torques,
     shares_left,
@@ -49,6 +49,7 @@ from exoid.measurement.reading.registers import COUNTED
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Vector, is_leg, is_spatial, machine_word, parents
+from exoid.symbolic.motion import Float
 
 CHECK, SIGN = "convention", "sign"
 CHECKS = (CHECK, SIGN)
@@ -71,6 +72,12 @@ DELAYS = np.arange(-45, 46) * 1e-2
 """s by which torques may be late, where a reading is only what these look like."""
 NEAR = 0.09
 """rad from a usual zero, within which that of an encoder is taken for it: what the rough machine lacks moves it."""
+COARSE = 30.0
+"""Degrees between the zeros of encoders that are tried first: the weight of a link changes by half of itself."""
+FINER, MOST_STEPS = (7.0, 2.5, 0.8, 0.3, 0.1, 0.03), 20
+"""Steps in degrees by which the best of them moves then, and how often by each."""
+MOST_COUNTED = 2
+"""Joints whose zeros are tried in every combination."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,10 +115,7 @@ def check_conventions(
         return ()
     smoothed = partial(smoothed_groups, weighs=weighs, forces=forces)
     sets, every = smoothed(recordings), [*beside, *recordings]
-    if not sets or _stands(sets) < LEAST:
-        return ()
-    together = _stands(smoothed(every)) if beside else _stands(sets)
-    if together < LEAST:
+    if not sets or any(_stands(part) < LEAST for part in (sets, smoothed(every))):
         return ()
     found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces, likely))
     asked = [(recordings, found)]
@@ -121,18 +125,28 @@ def check_conventions(
     for some, better in asked:
         if better is None or _only_in_part(some, better, smoothed(some)) or _late(smoothed(some), better):
             continue
-        more = len(every) > len(some)
-        read = [_read_so(item, better.reading) if item in some else item for item in every] if more else []
-        if not more or _stands(smoothed(read)) < together:
+        rest = [item for item in every if item not in some]
+        read = [_read_so(item, better.reading) for item in some] if rest else []
+        if not rest or _stands(smoothed([*rest, *read])) < _stands(smoothed(every)):
             alone = found is None or any(_is_right(item, better.reading, smoothed) for item in (*beside, *others))
-            findings.append(_finding(some, better, [f"{_file(item)}=" for item in some] if alone else ()))
+            findings.append(_finding(some, better, alone))
     return tuple(findings)
 
 
 def _is_right(item: Recording, reading: ConventionHypothesis, smoothed: Callable[..., list[list[Smooth]]]) -> bool:
     """True if a recording is explained better as it stands than in another reading."""
-    sets = smoothed([item])
-    return bool(sets) and _stands(sets) < _stands(smoothed([_read_so(item, reading)]))
+    return _stands(smoothed([item])) < _stands(smoothed([_read_so(item, reading)]))
+
+
+def counted_joints(recordings: Sequence[Recording]) -> list[int]:
+    """Return the joints whose angles are counts of an encoder in every recording, read without a convention: any other
+    has its zero where somebody put it.
+    """
+    if is_spatial(recordings[0].joints) or any(item.conventions for item in recordings):
+        return []
+    checks = [{finding.check for finding in item.findings} for item in recordings]
+    counts = [COUNTED.format(f"q{k + 1}") for k in range(len(recordings[0].joints))]
+    return [k for k, check in enumerate(counts) if all(check in there for there in checks)][:MOST_COUNTED]
 
 
 def _with_zeros(
@@ -145,7 +159,7 @@ def _with_zeros(
     if not counted or (found is not None and not any(name.zero for name in found.reading.names)):
         return found
     now = _stands(sets)
-    reading, left = best_zeros(sets, counted)
+    reading, left = _best_zeros(sets, counted)
     if left > min(GAIN, now / TIMES, np.inf if found is None else found.then):
         return found
     if found is None:
@@ -153,6 +167,30 @@ def _with_zeros(
     apart = np.angle(np.exp(1j * (reading.map.zero - found.reading.map.zero)))
     same = np.allclose(found.reading.map.angle, reading.map.angle) and np.abs(apart).max() < NEAR
     return found if same else Better(reading, now, left, (found.reading,))
+
+
+def _best_zeros(sets: Sequence[Sequence[Smooth]], counted: Sequence[int]) -> tuple[ConventionHypothesis, float]:
+    """Return the zeros of the `counted` joints that leave least of the torques' power, and what they leave."""
+    joints = sets[0][0].joints
+
+    def at(zeros: Float) -> ConventionHypothesis:
+        return hypothesis([f"{joints[k].name}-zero={z:.2f}" for k, z in zip(counted, zeros, strict=True)], joints)
+
+    def best(some: Sequence[Float]) -> tuple[Float, float]:
+        left = power_left(sets, [at(zeros) for zeros in some])
+        k = index_of_least(left, 1.0)
+        return some[k], float(left[k])
+
+    places = np.arange(-180.0, 180.0, COARSE)
+    zeros, least = best([np.array(entry) for entry in product(places, repeat=len(counted))])
+    moves = [np.array(item) for item in product((0.0, -1.0, 1.0), repeat=len(counted))]
+    for step in FINER:
+        for _ in range(MOST_STEPS):
+            near, left = best([zeros + step * move for move in moves])
+            if not left < least:
+                break
+            zeros, least = near, left
+    return at((zeros + 180.0) % 360.0 - 180.0), least
 
 
 def _odd(recordings: Sequence[Recording], smoothed: Callable[..., list[list[Smooth]]]) -> Sequence[Recording]:
@@ -205,39 +243,36 @@ def _known(recording: Recording) -> bool:
     return is_leg(joints) or all(above is None or joints[above].length is not None for above in parents(joints))
 
 
-def _file(recording: Recording) -> str:
-    return Path(recording.source.path).name if recording.source.path else recording.name
-
-
-def _steps(recordings: Sequence[Recording], found: Better) -> str:
+def _steps(recordings: Sequence[Recording], reading: ConventionHypothesis) -> str:
     """Steps per turn of encoders whose angles count on a motor's side."""
     said = {finding.check: finding.value for finding in recordings[0].findings if finding.value}
     every = []
     for k, joint in enumerate(recordings[0].joints):
-        ratio = float(abs(found.reading.map.angle[k, k]))
-        step = said.get(COUNTED.format(f"q{k + 1}"))
-        geared = any(name.name.startswith(f"{joint.name}-motor") for name in found.reading.names)
+        ratio, step = float(abs(reading.map.angle[k, k])), said.get(COUNTED.format(f"q{k + 1}"))
+        geared = any(name.name.startswith(f"{joint.name}-motor") for name in reading.names)
         if step and geared and 0.0 < ratio != 1.0:
             every.append(f"q{k + 1} about {2 * np.pi / (abs(step) * ratio):.0f} instead of {2 * np.pi / abs(step):.4g}")
     return f"; or its encoders have other steps a turn than --units says ({', '.join(every)})" if every else ""
 
 
-def _finding(recordings: Sequence[Recording], found: Better, files: Sequence[str] = ()) -> Finding:
+def _finding(recordings: Sequence[Recording], found: Better, each: bool) -> Finding:
+    """The warning that another reading fits; its option is that of `each` file where others are right as they stand."""
     option, *same = (",".join(name.name for name in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
-    machine = machine_word(joints)
-    what = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
-    what += f": a {machine} so read leaves {found.then / len(joints):.1%} of the torques' variance unexplained, "
-    what += f"as it stands {found.now / len(joints):.0%}"
-    give = " ".join(f"--convention {file}{option}" for file in files or [""])
+    what = f"it looks as if {', or '.join(reading.what for reading in (found.reading, *found.rivals))}"
+    what += f": a {machine_word(joints)} so read leaves {found.then / len(joints):.1%} of the torques' variance "
+    what += f"unexplained, as it stands {found.now / len(joints):.0%}"
+    files = [f"{Path(item.source.path).name or item.name}=" for item in recordings] if each else [""]
+    give = " ".join(f"--convention {file}{option}" for file in files)
     remedy = f"if so, give {give}" if option else "if so, leave --convention away"
     remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
-    remedy += _steps(recordings, found)
-    check = SIGN if found.reading.sides and len(recordings) == 1 else CHECK
-    where = place_of_all(recordings)
-    sure = "possible" if found.rivals or found.then > GAIN else "likely"
-    consequence = "every parameter is wrong"
-    return Finding(check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if files else option)
+    remedy += _steps(recordings, found.reading)
+    sides = all(name.order in (0, 2) for name in found.reading.names)  # signs and exchanges of channels alone
+    return Finding(
+        SIGN if sides and len(recordings) == 1 else CHECK, "warning", what, place_of_all(recordings), found.now, LEAST,
+        remedy, "every parameter is wrong", "possible" if found.rivals or found.then > GAIN else "likely",
+        "" if each else option,
+    )  # fmt: skip
 
 
 def better_reading(
@@ -252,8 +287,7 @@ def better_reading(
     sets = smoothed_groups(recordings, weighs, forces)
     if not sets:
         return None
-    joints = recordings[0].joints
-    now = _stands(sets)
+    joints, now = recordings[0].joints, _stands(sets)
     if now < LEAST:
         return None
     sets = _as_in_the_files(recordings, sets)
@@ -284,12 +318,11 @@ def better_reading(
     counted = {f"{joints[k].name}-motor" for k in counted_joints(recordings)}
     cost = {k: cost_of(kinds[k]) + any(c.name.partition("=")[0] in counted for c in kinds[k].names) for k in as_good}
     chosen = ascending((k for k in as_good if cost[k] == min(cost.values())), lambda k: left[k], 1.0)
-    others = tuple(kinds[k] for k in chosen[1:4])
-    if any(name.name.count("-motor") for name in kinds[chosen[0]].names):
-        return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())
-    least, *more = left[chosen[:4]]
-    same = tuple(other for other, value in zip(others, more, strict=True) if tied([least, value], 1.0).all())
-    return Better(kinds[chosen[0]], now, float(left[chosen[0]]), others, same)
+    first, *others = chosen[:4]
+    if any("-motor" in name.name for name in kinds[first].names):
+        return Better(_refined(sets, kinds[first]), now, float(left[first]), ())
+    same = tuple(kinds[k] for k in others if tied([left[first], left[k]], 1.0).all())
+    return Better(kinds[first], now, float(left[first]), tuple(kinds[k] for k in others), same)
 
 
 def _another(reading: ConventionHypothesis, quiet: NDArray[np.bool_]) -> bool:
@@ -301,8 +334,8 @@ def _another(reading: ConventionHypothesis, quiet: NDArray[np.bool_]) -> bool:
 
 
 def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
-    """Return the share that is left of the torques' power as the recordings stand."""
-    return float(power_left(sets, [hypothesis((), sets[0][0].joints)])[0])
+    """Return the share that is left of the torques' power as the recordings stand; infinite where none moves."""
+    return float(power_left(sets, [hypothesis((), sets[0][0].joints)])[0]) if sets else np.inf
 
 
 def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> ConventionHypothesis:

@@ -57,11 +57,6 @@ class ConventionHypothesis:
         """True if joints' torques are sums of the recorded ones."""
         return any(name.sums for name in self.names)
 
-    @property
-    def sides(self) -> bool:
-        """True if it only changes signs and exchanges channels."""
-        return all(name.order in (0, 2) for name in self.names)
-
 
 Stage = Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]
 """What is tried next, given the best readings so far."""
@@ -80,12 +75,24 @@ def stages(
     all_tried = len(joints) <= FEW_JOINTS and not spatial
 
     def longer(best: Sequence[ConventionHypothesis]) -> Sequence[ConventionHypothesis]:
-        return _extended(best[:BEAM_IN_SPACE] if spatial else best, joints, still)
+        """Return the `best` with one name more each, mirrored ones once."""
+        items = (
+            hypothesis((*(named.name for named in item.names), name), joints)
+            for item, group in product(best[:BEAM_IN_SPACE] if spatial else best, _groups_of_names(joints))
+            if not any(named.name in group for named in item.names)
+            for name in group
+        )
+        return _distinct(items, joints, still, best)
 
     yield lambda best: readings(FEW if all_tried else 1, joints, still)
     if very and not (all_tried or spatial):
         yield longer
-    yield lambda best: [*(_in_degrees(joints, still) if very else ()), *_geared(turning, joints)]
+    turned = any(joint.turns for joint in joints)
+    in_degrees = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints, still) if very and turned else ()
+    yield lambda best: [
+        *(hypothesis(("degrees", *(name.name for name in item.names)), joints) for item in in_degrees),
+        *_geared(turning, joints),
+    ]
     if spatial:
         own = [group for group in _groups_of_names(joints) if not group[0].startswith("swapped-")]
         yield lambda best: [hypothesis(names, joints) for names in _chosen(own, FEW) if len(names) == FEW]
@@ -93,22 +100,8 @@ def stages(
         yield lambda best: [reading for reading in readings(MOST, joints, still) if len(reading.names) > FEW]
     elif very or spatial:
         yield from (longer,) * (MOST - FEW)
-    if very and several and len(joints) == FEW_JOINTS and not spatial:
+    if very and several and len(joints) == FEW_JOINTS and not spatial and joints[0].turns == joints[1].turns:
         yield lambda best: _of_two_drives(joints, still)
-
-
-def _extended(
-    best: Sequence[ConventionHypothesis], joints: tuple[Joint, ...], still: bool
-) -> Sequence[ConventionHypothesis]:
-    """Return `best` with one name more each, mirrored ones once."""
-    pairs = (
-        (item, name)
-        for item, group in product(best, _groups_of_names(joints))
-        if not any(named.name in group for named in item.names)
-        for name in group
-    )
-    longer = (hypothesis((*(named.name for named in item.names), name), joints) for item, name in pairs)
-    return _distinct(longer, joints, still, best)
 
 
 def turning_joints(sets: Sequence[Sequence[Smooth]]) -> list[int]:
@@ -143,7 +136,11 @@ def readings(most: int = MOST, joints: tuple[Joint, ...] = LEG, still: bool = Tr
     """Return every reading of signs, zeros, sides and partners with at most so many names, mirrored ones once where
     the base is `still`, the simplest name of each.
     """
-    possible = [hypothesis(names, joints) for names in _chosen(_groups_of_names(joints), most) if _makes_sense(names)]
+    possible = [
+        hypothesis(names, joints)
+        for names in _chosen(_groups_of_names(joints), most)  # a shank against the horizontal is an absolute one
+        if "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
+    ]
     return _distinct(sorted(possible, key=cost_of), joints, still)
 
 
@@ -171,11 +168,6 @@ def _distinct(
     return tuple(item for key, item in found.items() if key not in seen)
 
 
-def _makes_sense(names: tuple[str, ...]) -> bool:
-    """True if a shank angle that counts from the horizontal is an absolute one."""
-    return "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
-
-
 def hypothesis(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> ConventionHypothesis:
     """Return the reading of the conventions with these `names`."""
     return reading_of(conventions(tuple(names), joints), joints)
@@ -191,7 +183,7 @@ def cost_of(one: ConventionHypothesis) -> float:
     return round(len(one.names) + sum(c.unusual for c in one.names), 6)
 
 
-def _key(to: Map, joints: Sequence[Joint], still: bool = True) -> tuple[float, ...]:
+def _key(to: Map, joints: Sequence[Joint], still: bool) -> tuple[float, ...]:
     """Return a key that two maps share of which one is the other's mirror image, where the base is `still`.
 
     A mirror leaves what slides along a link alone; where all joints slide, it stands at the end of the way.
@@ -207,20 +199,10 @@ def _key(to: Map, joints: Sequence[Joint], still: bool = True) -> tuple[float, .
 
 
 @cache
-def _in_degrees(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHypothesis, ...]:
-    if not any(joint.turns for joint in joints):
-        return ()
-    some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints, still)
-    return tuple(hypothesis(("degrees", *(c.name for c in item.names)), joints) for item in some)
-
-
-@cache
 def _of_two_drives(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHypothesis, ...]:
     """Return the readings of two recorded torques of which the joints' are sums or differences, as of a differential
     or of a driver that maps them wrongly, with the angles as they stand or with one name.
     """
-    if joints[0].turns != joints[1].turns:
-        return ()
     angles = [item.names for item in readings(1, joints, still) if all(name.torque is None for name in item.names)]
     chosen = [
         sorted((torque_sums((times[:2], times[2:]), joints), *names), key=lambda one: one.order)
