@@ -33,8 +33,7 @@ SMOOTHED = 0.1
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Warn of stretches of one and the same value that the channel leaves with a jump, or that noise
-    excludes."""
+    """Warn of stretches of one and the same value that the channel leaves with a jump, or that noise excludes."""
     return [frozen_finding(recording, channel, rows) for channel, rows, _ in frozen_stretches(recording)]
 
 
@@ -67,13 +66,12 @@ def _stretches(channel: Channel, recording: Recording) -> list[tuple[int, int]]:
     One that is held at its extreme is saturation or a stop.
     """
     values, at = channel.values, channel.at
-    step = np.diff(values)
-    if step.size < 20 or np.ptp(values) == 0.0:
+    if values.size < 21 or np.ptp(values) == 0.0:
         return []
     ends = (values.max(), values.min())
     return [
         (int(a), int(b) + 1)
-        for a, b in zip(*runs(step == 0), strict=True)
+        for a, b in zip(*runs(np.diff(values) == 0), strict=True)
         if b - a >= LEAST_ROWS and recording.t[at[b + 1]] - recording.t[at[a]] >= LEAST_SECONDS
         and values[a] not in ends and not (channel.outside and values[a] == 0.0)  # a plate that nobody stands on
     ]  # fmt: skip
@@ -89,8 +87,7 @@ def _frozen_torque(channel: Channel, recording: Recording) -> Iterator[tuple[int
     stays while the leg moves. Likely is one that leaves the stretch with a jump.
     """
     step = np.diff(channel.values)
-    first_of, last_of = runs(step == 0)
-    size = last_of - first_of + 1
+    size = np.diff(runs(step == 0), axis=0)[0] + 1
     short = size[size <= LEAST_ROWS].sum()
     # Single repeats are usual where the steps of the sensor are coarser than its noise; long ones then say nothing.
     if short > 0.1 * max(1, step.size - size.sum() + short):
@@ -124,21 +121,19 @@ def _frozen_angle(channel: Channel, recording: Recording) -> Iterator[tuple[int,
 
 def _still_while_driven(recording: Recording) -> NDArray[np.int64]:
     """Return the indices of the recording where for long no angle changes and every torque goes on as in motion."""
-    at = np.flatnonzero(recording.valid)
-    first, last = runs(np.all(np.diff(recording.q[at], axis=0) == 0.0, axis=1))
+    at, count = np.flatnonzero(recording.valid), max(1, round(SMOOTHED * recording.rate))
     t = recording.t[at]
-    stretches = [(a, b + 1) for a, b in zip(first, last, strict=True) if t[b + 1] - t[a] >= LONG]
-    if not stretches:
-        return at[:0]
-    count = max(1, round(SMOOTHED * recording.rate))
+    first, last = runs(np.all(np.diff(recording.q[at], axis=0) == 0.0, axis=1))
+    long = [(a, b + 1) for a, b in zip(first, last, strict=True) if t[b + 1] - t[a] >= LONG]
     means = recording.tau[at[: len(at) // count * count]].reshape(-1, count, recording.tau.shape[1]).mean(axis=1)
-    held = np.zeros(len(means), dtype=bool)
-    for a, b in stretches:
-        held[-(-a // count) : b // count] = True
-    if held.all():
+    held, rows = np.zeros(len(means), dtype=bool), [slice(-(-a // count), b // count) for a, b in long]
+    for part in rows:
+        held[part] = True
+    if held.all() or not held.any():
         return at[:0]
     least = GOES_ON * means[~held].std(axis=0)
-    parts = [means[-(-a // count) : b // count] for a, b in stretches]
-    goes_on = [len(part) > 0 and bool(np.all(part.std(axis=0) > least)) for part in parts]
-    found = [np.arange(at[a], at[b] + 1) for (a, b), driven in zip(stretches, goes_on, strict=True) if driven]
-    return np.concatenate(found) if found else at[:0]
+    stretches = zip(long, (means[part] for part in rows), strict=True)
+    driven = [
+        np.arange(at[a], at[b] + 1) for (a, b), part in stretches if part.size and np.all(part.std(axis=0) > least)
+    ]
+    return np.concatenate([at[:0], *driven])

@@ -34,11 +34,10 @@ def check(recording: Recording) -> list[Finding]:
     """
     found = _too_small(recording)
     for channel in channels(recording, "q"):
-        reach = float(np.percentile(np.abs(channel.some), 98)) if channel.values.size else 0.0
-        if not channel.joint.turns:
-            if reach > FAR:
-                what = f"the {channel.label} reaches {reach:.4g} m: it looks like millimetres"
-                found.append(_finding(recording, channel.name, what, reach, FAR, f"--units {channel.name}=mm"))
+        reach = channel.largest
+        if reach > FAR and not channel.joint.turns:
+            what = f"the {channel.label} reaches {reach:.4g} m: it looks like millimetres"
+            found.append(_finding(recording, channel.name, what, reach, FAR, f"--units {channel.name}=mm"))
         elif reach > TURNS and is_leg(recording.joints):
             what = f"the {channel.label} reaches {reach:.4g} rad: it looks like degrees"
             found.append(_finding(recording, channel.name, what, reach, TURNS, "--units q=deg"))
@@ -54,17 +53,16 @@ def _too_small(recording: Recording) -> list[Finding]:
     """Return a finding for every quantity that is smaller in all joints than in any leg: one unit too large was written
     for both.
     """
-    if not is_leg(recording.joints):  # other machines come in all sizes
+    angles, torques = list(channels(recording, "q")), list(channels(recording, "tau"))
+    # Other machines come in all sizes.
+    if not is_leg(recording.joints) or min(channel.values.size for channel in (*angles, *torques)) < 10:
         return []
     found = []
-    angles, torques = list(channels(recording, "q")), list(channels(recording, "tau"))
-    if min((channel.values.size for channel in (*angles, *torques)), default=0) < 10:
-        return []
-    swing = max(float(np.ptp(np.percentile(channel.some, [2, 98]))) for channel in angles)
+    swing = max(channel.span(2) for channel in angles)
     if 0.0 < swing < LITTLE:
         what = f"no joint swings further than {swing:.3g} rad: it looks like turns, or there is little motion"
         found.append(_finding(recording, "q1 and q2", what, swing, LITTLE, "--units q=turns"))
-    size = max(float(np.percentile(np.abs(channel.some), 98)) for channel in torques)
+    size = max(channel.largest for channel in torques)
     if 0.0 < size < WEAK:
         unit, option = ("MN·m", "MNm") if size < 1e-3 * WEAK else ("kN·m", "kNm")
         what = f"no torque reaches more than {size:.3g} N·m, which carries no leg: it looks like {unit}"
