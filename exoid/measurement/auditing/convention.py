@@ -23,25 +23,8 @@ from exoid.ground.minimum import minimum
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import ascending, index_of_least, order_of, tied
 from exoid.measurement.auditing.channels import place_of_all
-from exoid.measurement.auditing.hypotheses import (
-    BEAM,
-    RATIOS,
-    ConventionHypothesis,
-    cost_of,
-    hypothesis,
-    stages,
-    turning_joints,
-    with_ratios,
-)
-from exoid.measurement.auditing.power_left import (
-    left_in_part,
-    power_left,
-    quiet_torques,
-    shares_left,
-    smoothed_groups,
-    sums_as_they_stand,
-    undone,
-)
+from exoid.measurement.auditing.hypotheses import RATIOS, ConventionHypothesis, hypothesis, stages, turning_joints
+from exoid.measurement.auditing.power_left import left_if_late, left_in_part, power_left, quiet_torques, smoothed_groups
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import combined_map, conventions
@@ -123,7 +106,9 @@ def check_conventions(
         asked = [([item], better_reading([item], weighs, forces)) for item in _odd(recordings, smoothed)]
     findings = []
     for some, better in asked:
-        if better is None or _only_in_part(some, better, smoothed(some)) or _late(smoothed(some), better):
+        if better is None or _only_in_part(some, better, smoothed(some)):
+            continue
+        if left_if_late(smoothed(some), DELAYS).min() <= better.then:
             continue
         rest = [item for item in every if item not in some]
         read = [_read_so(item, better.reading) for item in some] if rest else []
@@ -214,16 +199,17 @@ def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequenc
     return stands is not None and stands < (left_in_part(_as_in_the_files(recordings, sets), better.reading) or 0.0)
 
 
-def _late(sets: Sequence[Sequence[Smooth]], better: Better) -> bool:
-    """True if torques that are late or early explain as much as the `better` reading does."""
-    left = shares_left(sums_as_they_stand(sets, DELAYS.tolist()), np.eye(len(sets[0][0].joints))[None])
-    return float(left.min()) <= better.then
-
-
 def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:
     """Return the motions as the files hold them, where all were read alike: the option to give is looked for there."""
-    kept = {recording.conventions for recording in recordings}
-    return [[undone(motion, *kept) if len(kept) == 1 else motion for motion in group] for group in sets]
+    kept, *others = {recording.conventions for recording in recordings}
+    to = combined_map(conventions(() if others else kept, recordings[0].joints), recordings[0].joints)
+    back = np.linalg.inv(to.angle).T
+
+    def undone(motion: Smooth) -> Smooth:
+        q, tau = to.undone(motion.q, motion.tau)
+        return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau, elsewhere=False)
+
+    return [[motion if others else undone(motion) for motion in group] for group in sets]
 
 
 def _read_so(item: Recording, reading: ConventionHypothesis) -> Recording:
@@ -305,7 +291,7 @@ def better_reading(
     left, quiet = np.zeros(0), quiet_torques(sets)
     still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)
     for stage in stages(now, turning_joints(sets), joints, still, several=len(recordings) > 1):
-        more = [item for item in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(item, quiet)]
+        more = [item for item in stage([kinds[k] for k in order_of(left, 1.0)]) if not _another(item, quiet)]
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])
         if left.min(initial=np.inf) <= settled:
@@ -316,7 +302,7 @@ def better_reading(
     as_good = [k for k in range(len(kinds)) if left[k] <= AS_GOOD * best]
     # How many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
     counted = {f"{joints[k].name}-motor" for k in counted_joints(recordings)}
-    cost = {k: cost_of(kinds[k]) + any(c.name.partition("=")[0] in counted for c in kinds[k].names) for k in as_good}
+    cost = {k: kinds[k].cost + any(c.name.partition("=")[0] in counted for c in kinds[k].names) for k in as_good}
     chosen = ascending((k for k in as_good if cost[k] == min(cost.values())), lambda k: left[k], 1.0)
     first, *others = chosen[:4]
     if any("-motor" in name.name for name in kinds[first].names):
@@ -338,20 +324,26 @@ def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
     return float(power_left(sets, [hypothesis((), sets[0][0].joints)])[0]) if sets else np.inf
 
 
-def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> ConventionHypothesis:
+def _refined(sets: Sequence[Sequence[Smooth]], found: ConventionHypothesis) -> ConventionHypothesis:
     """Return a reading with its gear ratios as near as they are known: whole numbers of two digits if these fit as
     well.
     """
-    joints = sets[0][0].joints
     step = float(np.log(RATIOS[-1] / RATIOS[-2]))
     grid = np.linspace(-step, step, 41)
 
-    def share(x: float) -> float:
-        return float(power_left(sets, [with_ratios(one, lambda ratio: ratio * np.exp(x), joints)])[0])
+    def geared(reading: ConventionHypothesis, change: Callable[[float], float]) -> ConventionHypothesis:
+        names = []
+        for item in reading.names:
+            stem, _, ratio = item.name.partition("=")
+            motor = "-motor" in stem and ratio
+            names.append(f"{stem}={change(float(ratio)):.4f}".rstrip("0").rstrip(".") if motor else item.name)
+        return hypothesis(names, sets[0][0].joints)
 
-    left = [share(float(x)) for x in grid]
-    near, wide = float(grid[index_of_least(left, 1.0)]), float(grid[1] - grid[0])
+    def share(x: float) -> float:
+        return float(power_left(sets, [geared(found, lambda ratio: ratio * np.exp(x))])[0])
+
+    near, wide = float(grid[index_of_least([share(float(x)) for x in grid], 1.0)]), float(grid[1] - grid[0])
     change, least = minimum(share, near - wide, near + wide, 1e-5)
-    best = with_ratios(one, lambda ratio: ratio * np.exp(change), joints)
-    rounded = with_ratios(best, lambda ratio: float(f"{ratio:.2g}" if ratio > 10 else round(ratio)), joints)
+    best = geared(found, lambda ratio: ratio * np.exp(change))
+    rounded = geared(best, lambda ratio: float(f"{ratio:.2g}" if ratio > 10 else round(ratio)))
     return rounded if power_left(sets, [rounded])[0] <= AS_GOOD * least else best

@@ -53,6 +53,11 @@ class ConventionHypothesis:
         return " and ".join(name.what for name in self.names) or "angles and torques need no --convention"
 
     @property
+    def cost(self) -> float:
+        """Number of changes that it needs; among equals the usual ones cost a little less."""
+        return round(len(self.names) + sum(name.unusual for name in self.names), 6)
+
+    @property
     def sums(self) -> bool:
         """True if joints' torques are sums of the recorded ones."""
         return any(name.sums for name in self.names)
@@ -78,7 +83,7 @@ def stages(
         """Return the `best` with one name more each, mirrored ones once."""
         items = (
             hypothesis((*(named.name for named in item.names), name), joints)
-            for item, group in product(best[:BEAM_IN_SPACE] if spatial else best, _groups_of_names(joints))
+            for item, group in product(best[: BEAM_IN_SPACE if spatial else BEAM], _groups_of_names(joints))
             if not any(named.name in group for named in item.names)
             for name in group
         )
@@ -141,7 +146,7 @@ def readings(most: int = MOST, joints: tuple[Joint, ...] = LEG, still: bool = Tr
         for names in _chosen(_groups_of_names(joints), most)  # a shank against the horizontal is an absolute one
         if "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
     ]
-    return _distinct(sorted(possible, key=cost_of), joints, still)
+    return _distinct(sorted(possible, key=lambda item: item.cost), joints, still)
 
 
 def _chosen(groups: Sequence[Sequence[str]], most: int) -> Iterator[tuple[str, ...]]:
@@ -176,11 +181,6 @@ def hypothesis(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> Convent
 def reading_of(chosen: tuple[Convention, ...], joints: tuple[Joint, ...]) -> ConventionHypothesis:
     """Return the reading of the conventions `chosen`, in the order of application."""
     return ConventionHypothesis(chosen, combined_map(chosen, joints))
-
-
-def cost_of(one: ConventionHypothesis) -> float:
-    """Number of changes that a reading needs; among equals the usual ones cost a little less."""
-    return round(len(one.names) + sum(c.unusual for c in one.names), 6)
 
 
 def _key(to: Map, joints: Sequence[Joint], still: bool) -> tuple[float, ...]:
@@ -229,15 +229,3 @@ def _geared(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[Conventio
         turns = [k for k, joint in enumerate(joints) if joint.turns]
         chosen += [(gear(joint, "torque", float(ratio), joints),) for ratio, joint in product(RATIOS, turns)]
     return [reading_of(names, joints) for names in chosen]
-
-
-def with_ratios(
-    one: ConventionHypothesis, change: Callable[[float], float], joints: tuple[Joint, ...]
-) -> ConventionHypothesis:
-    """Return the reading `one` with every gear ratio changed."""
-    names = []
-    for item in one.names:
-        stem, _, ratio = item.name.partition("=")
-        geared = "-motor" in stem and ratio
-        names.append(f"{stem}={change(float(ratio)):.4f}".rstrip("0").rstrip(".") if geared else item.name)
-    return hypothesis(names, joints)

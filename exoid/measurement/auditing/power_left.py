@@ -21,7 +21,7 @@ from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothes
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
-from exoid.measurement.reading.conventions import Map, combined_map, conventions
+from exoid.measurement.reading.conventions import Map
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_spatial, parents
@@ -61,14 +61,6 @@ def smoothed_groups(
     return list(groups.values())
 
 
-def undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
-    """Return `motion` as it was before the conventions `names` were taken into account."""
-    to = combined_map(conventions(names, motion.joints), motion.joints)
-    back = np.linalg.inv(to.angle).T
-    q, tau = to.undone(motion.q, motion.tau)
-    return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau, elsewhere=False)
-
-
 def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis], most: float = np.inf) -> Float:
     """Return for each reading the share of the torques' power, summed over the joints, that the machine leaves.
 
@@ -89,6 +81,13 @@ def sums_as_they_stand(sets: Sequence[Sequence[Smooth]], delays: Sequence[float]
     stops: what is left of a machine that fits decides, and these explain some of it.
     """
     return [_sums(*part, hypothesis((), part[0].joints), stops=False) for part in _rows(sets, delays)]
+
+
+def left_if_late(sets: Sequence[Sequence[Smooth]], delays: Float, most: float = np.inf) -> Float:
+    """Return the share left (D,) of torques that are late by each of `delays` (D,) in s, otherwise read as they stand;
+    beyond `most` it may be a lower bound.
+    """
+    return shares_left(sums_as_they_stand(sets, delays.tolist()), np.eye(len(sets[0][0].joints))[None], most)
 
 
 def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:

@@ -7,7 +7,7 @@ import numpy as np
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.measurement.auditing.channels import place
-from exoid.measurement.auditing.power_left import shares_left, smoothed_groups, sums_as_they_stand
+from exoid.measurement.auditing.power_left import left_if_late, smoothed_groups, sums_as_they_stand
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
@@ -27,13 +27,12 @@ def check(recording: Recording) -> list[Finding]:
     `time_delay` is tested on unseen motion.
     """
     sets = smoothed_groups([recording]) if is_leg(recording.joints) else []
-    sums, as_it_stands = sums_as_they_stand(sets), np.eye(2)[None]
-    if not sums or not sums[0].power.all():
+    if not sets or not sums_as_they_stand(sets)[0].power.all():
         return []
-    now = float(shares_left(sums, as_it_stands)[0])
+    now = float(left_if_late(sets, np.zeros(1))[0])
     if now > FITS or now == 0.0:
         return []
-    left = shares_left(sums_as_they_stand(sets, TRIED.tolist()), as_it_stands, (1.0 - GAIN) * now)
+    left = left_if_late(sets, TRIED, (1.0 - GAIN) * now)
     best = index_of_least(left, 1.0)
     delay, gain = float(TRIED[best]), 1.0 - float(left[best]) / now
     if gain < GAIN or best in (0, TRIED.size - 1):
