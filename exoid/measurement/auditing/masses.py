@@ -62,7 +62,15 @@ def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gra
     geared = np.flatnonzero(driven & ~right).tolist()
     line = ",".join(f"{joints[k].name}-motor-torque={digits(float(times[k]), 2)}" for k in geared)
     option = f"{MOTORS}-torques" if all(joints[k].motor for k in geared) else line
-    return (_finding(recordings, option, [joints[k].name for k in np.flatnonzero(far)], times[far]),)
+    names, sizes = [joints[k].name for k in np.flatnonzero(far)], ", ".join(digits(float(x), 2) for x in times[far])
+    what = f"the torques of {', '.join(names)} are" if len(names) > 1 else f"the torque of {names[0]} is"
+    what += f" about {sizes} times smaller than the masses in the robot file ask for: "
+    what += f"{'they look' if len(names) > 1 else 'it looks'} like that of the motor, before the gear"
+    remedy = f"if so, give --convention {option} (better with the ratios of the data sheet: these are as rough as the "
+    remedy += f"masses); where the masses are wrong, --convention {names[0]}-motor-torque=1"
+    where, most_times = place_of_all(recordings), float(times[far].max())
+    consequence = "every parameter is wrong"
+    return (Finding(MASSES, "warning", what, where, most_times, FAR, remedy, consequence, "likely"),)
 
 
 def _possible(joints: Sequence[Joint]) -> bool:
@@ -97,20 +105,3 @@ def _numbers(joint: Joint) -> dict[str, float]:
         return {}
     mass, x, y, z, xx, xy, xz, yy, yz, zz = joint.body
     return about_joint(mass, (x, y, z), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-
-
-def _finding(recordings: Sequence[Recording], option: str, far: Sequence[str], times: Float) -> Finding:
-    sizes = ", ".join(digits(float(value), 2) for value in times)
-    torques, they = ("torques of {} are", "they look") if len(far) > 1 else ("torque of {} is", "it looks")
-    what = (
-        f"the {torques.format(', '.join(far))} about {sizes} times smaller than the masses in the robot file ask for: "
-        f"{they} like that of the motor, before the gear"
-    )
-    remedy = (
-        f"if so, give --convention {option} (better with the ratios of the data sheet: these are as rough as the "
-        f"masses); where the masses are wrong, --convention {far[0]}-motor-torque=1"
-    )
-    where = place_of_all(recordings)
-    return Finding(
-        MASSES, "warning", what, where, float(times.max()), FAR, remedy, "every parameter is wrong", "likely"
-    )

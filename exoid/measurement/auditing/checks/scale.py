@@ -15,7 +15,6 @@ from exoid.ground.ties import index_of_least, least_of
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.power_left import Sums, smoothed_groups, sums_as_they_stand
-from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
@@ -40,9 +39,10 @@ WEAK: Threshold = 0.02
 
 def check(recording: Recording) -> list[Finding]:
     """Warn of torques that fit together only when one of them is multiplied, and of torques too small for any leg."""
-    sets = _of_legs([recording])
+    if not is_leg(recording.joints):
+        return []
+    found, sets = _factor([recording], place(recording)), smoothed_groups([recording])
     size = float(sets[0][0].tau.std(axis=0).max()) if sets else WEAK
-    found = _factor(sets, place(recording))
     if size < WEAK:
         what = f"the torques vary by {size:.2g} N·m only: they look like kN·m or currents"
         remedy = "say so with --units tau=kNm, or give torque constant and gear: --units tau=Nm/A*0.1*50"
@@ -52,20 +52,17 @@ def check(recording: Recording) -> list[Finding]:
 
 def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
-    found = _factor(_of_legs(recordings), f"{len(recordings)} recordings together")
+    found = _factor(recordings, f"{len(recordings)} recordings together") if is_leg(recordings[0].joints) else []
     return tuple(item for item in found if item.value is not None and _is_plain(item.value))
-
-
-def _of_legs(recordings: Sequence[Recording]) -> list[list[Smooth]]:
-    return smoothed_groups([recording for recording in recordings if is_leg(recording.joints)])
 
 
 def _is_plain(factor: float) -> bool:
     return bool(abs(np.log(factor)) > np.log(PLAIN))
 
 
-def _factor(sets: Sequence[Sequence[Smooth]], where: str) -> list[Finding]:
+def _factor(recordings: Sequence[Recording], where: str) -> list[Finding]:
     """Findings that a rigid leg wants the knee torque of all motions multiplied by one factor; [] where none does."""
+    sets = smoothed_groups(recordings)
     sums = [part for part in sums_as_they_stand(sets) if np.all(part.power > ROUNDING)]
     if not sums or (now := _left(sums, 1.0)).sum() < LEAST_GAIN:
         return []
