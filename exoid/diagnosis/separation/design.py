@@ -132,10 +132,14 @@ def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ..
     terms = tuple(base.with_effect(name).terms[-1] for name in rivals)
     names = [term.name for term in terms]
     if len(set(names)) < 2 or len(set(names)) < len(names):
+        usual = model.joint_names[0]
+        first = names[0] if names else f"stribeck:{usual}"
+        effect, _, joint = first.partition(":")
+        second = f"{'stribeck' if effect == 'viscous_quadratic' else 'viscous_quadratic'}:{joint or usual}"
         raise SeparateError(
             f"{', '.join(sorted(set(names))) or 'nothing'} is named, but it takes two different effects to compare",
             where="--separate",
-            remedy=f"add a second effect: {_second(names, model.joint_names[0])}",
+            remedy=f"add a second effect: {first},{second}",
         )
     return base, terms
 
@@ -146,14 +150,6 @@ def usual_noise(model: Model) -> Noise:
         return USUAL_NOISE
     scale = np.array(bench_machine(model).sensor_scale)
     return Noise(float(USUAL_NOISE.sd[0]) * scale, np.full(scale.shape, 10.0), USUAL_NOISE.source, model.joints)
-
-
-def _second(names: Sequence[str], usual: str) -> str:
-    """Return an example of what to write: the effect that is named, if any, and another one at the same joint."""
-    first = names[0] if names else f"stribeck:{usual}"
-    effect, _, joint = first.partition(":")
-    other = "stribeck" if effect == "viscous_quadratic" else "viscous_quadratic"
-    return f"{first},{other}:{joint or usual}"
 
 
 def _truths(
@@ -183,8 +179,10 @@ def _truths(
         fits.append(fit)
         at = [pushed.parameters.index(p) for p in model.parameters]
         linear, source = np.array(fit.linear)[at], "fitted to the recordings"
-        if not _possible(model, linear, term):
-            count = len(base.parameters)
+        count = len(base.parameters)
+        own = [(value, p) for value, p in zip(linear[count:], model.parameters[count:], strict=True)]
+        inside = all((p.min is None or v >= p.min) and (p.max is None or v <= p.max) for v, p in own)
+        if not inside or (own and not any(v != 0.0 for v, _ in own)):
             linear = np.concatenate([linear[:count], usual.linear[count:]])
             source = "typical size, since its fit has a sign it cannot have"
         truths.append(Rival(term.name, model, linear, np.array(fit.shape), source))
@@ -193,13 +191,6 @@ def _truths(
     best = least_of(fits, lambda fit: fit.loss)
     of, rate = best.data, prepared.train[0].kept_rate
     return tuple(truths), residual_noise(best.residual, of.use, of.groups, rate, prepared.choice.cutoff, base.joints)
-
-
-def _possible(model: Model, linear: Float, term: Term) -> bool:
-    """True if the rival's own coefficients lie within their physical bounds and are not all zero."""
-    own = [(v, p) for v, p in zip(linear, model.parameters, strict=True) if p.term == term.name]
-    inside = all((p.min is None or v >= p.min) and (p.max is None or v <= p.max) for v, p in own)
-    return inside and (not own or any(v != 0.0 for v, _ in own))
 
 
 def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[Rival, Rival], ...]:

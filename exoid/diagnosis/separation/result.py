@@ -132,8 +132,8 @@ class Separation(AsJson):
             "separable": self.separable, "smallest": self.smallest, "sentence": self.sentence, "rivals": self.rivals,
             "present_seconds": self.present_seconds, "never": self.same, "limits": self.uses, "noise": self.noise,
             "duration": self.duration, "needed": self.needed, "cutoff": self.cutoff, "seed": self.seed,
-            "seconds": self.seconds, "apart": _rows(self.apart), "at_random": _rows(self.usual),
-            "present": None if self.present is None else _rows(self.present),
+            "seconds": self.seconds, "apart": _rows(self.apart),
+            "present": None if self.present is None else _rows(self.present), "at_random": _rows(self.usual),
             "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
         }  # fmt: skip
 

@@ -113,14 +113,10 @@ def check_conventions(
         rest = [item for item in every if item not in some]
         read = [_read_so(item, better.reading) for item in some] if rest else []
         if not rest or _stands(smoothed([*rest, *read])) < _stands(smoothed(every)):
-            alone = found is None or any(_is_right(item, better.reading, smoothed) for item in (*beside, *others))
-            findings.append(_finding(some, better, alone))
+            told = [] if found is None else [*beside, *others]
+            right = any(_stands(smoothed([k])) < _stands(smoothed([_read_so(k, better.reading)])) for k in told)
+            findings.append(_finding(some, better, each=found is None or right))
     return tuple(findings)
-
-
-def _is_right(item: Recording, reading: ConventionHypothesis, smoothed: Callable[..., list[list[Smooth]]]) -> bool:
-    """True if a recording is explained better as it stands than in another reading."""
-    return _stands(smoothed([item])) < _stands(smoothed([_read_so(item, reading)]))
 
 
 def counted_joints(recordings: Sequence[Recording]) -> list[int]:

@@ -8,7 +8,6 @@ machine as it stands. So both are asked, too, of how little they leave in the pa
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -122,7 +121,9 @@ def _rows_of(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> tup
     reach, kept, seen, tau = np.array([joint.reach for joint in joints]), [], [], []
     for motion in group:
         keep = np.arange(len(motion.q))[motion.keep][::thin]
-        tau.append(np.stack([_between(motion.tau.T, keep, delay / motion.step) for delay in delays], axis=1))
+        late = np.array(delays)[:, None] / motion.step
+        before, after = (motion.tau.T[:, keep + step.astype(int)] for step in (np.floor(late), np.ceil(late)))
+        tau.append(before + (late - np.floor(late)) * (after - before))
         counts = motion.measured[keep, None] & (motion.q[keep].std(axis=0) > STANDS * reach)
         # Small numbers of the links choose the reading in space, and what sticks would drown them.
         seen.append(counts & (np.abs(motion.dq[keep]) > SLOW * reach) if is_spatial(joints) else counts)
@@ -141,13 +142,6 @@ def _rows_of(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> tup
     torques -= torques @ share[:, :, None]  # constant offsets are nobody's sign
     torques *= known[:, None]
     return replace(group[0], **parts, forces=shared), share, torques
-
-
-def _between(values: Float, keep: NDArray[np.int_], late: float) -> Float:
-    """Return `values` (K, N) at the samples `keep`, so many samples later."""
-    whole = math.floor(late)
-    before, after = (np.take(values, keep + step, axis=1) for step in (whole, math.ceil(late)))
-    return np.asarray(before + (late - whole) * (after - before))
 
 
 @dataclass(frozen=True, eq=False)

@@ -105,22 +105,16 @@ def _smoothed(recording: Recording) -> Smooth | None:
         base = np.column_stack([base[:, 0], rate, np.gradient(rate, step), base[:, 1:]])
     edge = round(0.5 / step)
     thin = max(1, (even.size - 2 * edge) // ROWS)
-    measured = _measured(even, recording.t[moved & pulled], 1.0 / recording.rate)
+    seen = recording.t[moved & pulled]
+    after = np.clip(np.searchsorted(seen, even, side="right"), 1, seen.size - 1)
+    hole = (seen[after] - seen[after - 1] > HOLE / recording.rate) | (even > seen[-1]) | (even < seen[0])
+    measured = np.asarray(~widen(hole, round(0.5 / CUTOFF / (even[1] - even[0]))))  # half a period away from holes
     signals = {name: filtered(force[:, None], recording.valid)[:, 0] for name, force in recording.forces.items()}
     return Smooth(
         q, np.asarray(dq), np.asarray(np.gradient(dq, step, axis=0)), tau, step, slice(edge, -edge, thin), measured,
         base, recording.joints, forces=signals,
         elsewhere=any(entry.sums for entry in conventions(recording.conventions, recording.joints)),
     )  # fmt: skip
-
-
-def _measured(even: Float, t: Float, step: float) -> NDArray[np.bool_]:
-    """Mask of the samples `even` (K,) within what was measured at `t` s, every `step`, and half a period of the cut-off
-    away from holes.
-    """
-    after = np.clip(np.searchsorted(t, even, side="right"), 1, t.size - 1)
-    hole = (t[after] - t[after - 1] > HOLE * step) | (even > t[-1]) | (even < t[0])
-    return np.asarray(~widen(hole, round(0.5 / CUTOFF / (even[1] - even[0]))))
 
 
 def machine_columns(motion: Smooth) -> Float:
@@ -132,7 +126,11 @@ def machine_columns(motion: Smooth) -> Float:
     each further link against it.
     """
     joints, q, dq, spatial = motion.joints, motion.q, motion.dq, is_spatial(motion.joints)
-    columns: list[dict[int, Any]] = [dict(enumerate(row)) for row in (_in_space if spatial else _in_a_plane)(motion)]
+    links = _in_a_plane(motion)
+    if spatial:  # what a motion shows of its links
+        wanted = [(parameter.link, parameter.kind) for parameter in base_parameters(joints, _pull(motion))]
+        links = link_columns(joints, _pull(motion), list(q.T), list(dq.T), list(motion.ddq.T), np, wanted)
+    columns: list[dict[int, Any]] = [dict(enumerate(row)) for row in links]
     widths = (TURNS,) if is_leg(joints) and motion.base is None else (TURNS, SHARPLY)
     for k, (joint, above) in enumerate(zip(joints, parents(joints), strict=True)):
         columns += [{k: np.tanh(dq[:, k] / (width * joint.reach))} for width in widths] + [{k: dq[:, k]}]
@@ -185,13 +183,6 @@ def _in_a_plane(motion: Smooth) -> list[Sequence[Any]]:
     # Where a link slides, the zero of its position is anybody's, and its first moment of either sign.
     slides = [k for k, joint in enumerate(joints) if not joint.turns]
     return found + [[-x for x in of[k]["X"]] for k in slides for of in kinds]
-
-
-def _in_space(motion: Smooth) -> list[Sequence[Any]]:
-    """Return the same of a spatial machine, of what a motion shows of its links."""
-    joints, pull = motion.joints, _pull(motion)
-    wanted = [(parameter.link, parameter.kind) for parameter in base_parameters(joints, pull)]
-    return list(link_columns(joints, pull, list(motion.q.T), list(motion.dq.T), list(motion.ddq.T), np, wanted))
 
 
 def _pull(motion: Smooth) -> Vector:
