@@ -18,7 +18,7 @@ from typing import Unpack
 import numpy as np
 
 from exoid.diagnosis.separation.distance import Distances, Rival, planned, residual_noise
-from exoid.diagnosis.separation.indistinguishable import Same, same_torques
+from exoid.diagnosis.separation.indistinguishable import same_torques
 from exoid.diagnosis.separation.result import Separation
 from exoid.diagnosis.separation.settings import SeparationOptions, SeparationSettings
 from exoid.ground.errors import ExoidError
@@ -95,10 +95,12 @@ def separate(
     prepared = prepare(base.with_forces(*forces), recordings, cutoff=asked.cutoff) if recordings else None
     truths, measured = _truths(base, terms, forces, prepared, asked.numbers, say)
     noise = asked.noise or measured or usual_noise(model)
-    pairs = _pairs(truths, same)
+    # All (truth, rival) but those of which the rival can stand for the truth on every motion.
+    lost = {(item.first, item.second) for item in same} | {(item.second, item.first) for item in same if item.mutual}
+    pairs = [(a, b) for a, b in permutations(truths, 2) if not lost & {(a.name, b.name), (a.name, "")}]
     if prepared is not None:
         filter_ = prepared.choice.cutoff
-    measure = Distances(base, pairs, noise, asked.duration, filter_)
+    measure = Distances(base, tuple(pairs), noise, asked.duration, filter_)
     motion: Fourier | None = None
     apart: dict[tuple[str, str], float] = {}
     if pairs:
@@ -168,8 +170,8 @@ def _truths(
         model = replace(base, terms=(*base.terms, term))
         usual = nominal(model, numbers)
         if prepared is None:
-            own = (*numbers.linear, *numbers.shape) if numbers is not None else ()
-            known = any(name.startswith(f"{term.name}.") for name in own)
+            names = (*numbers.linear, *numbers.shape) if numbers is not None else ()
+            known = any(name.startswith(f"{term.name}.") for name in names)
             source = "identified" if known else "typical size"
             truths.append(Rival(term.name, model, usual.linear, usual.shape, source))
             continue
@@ -180,7 +182,7 @@ def _truths(
         at = [pushed.parameters.index(p) for p in model.parameters]
         linear, source = np.array(fit.linear)[at], "fitted to the recordings"
         count = len(base.parameters)
-        own = [(value, p) for value, p in zip(linear[count:], model.parameters[count:], strict=True)]
+        own = [*zip(linear[count:].tolist(), model.parameters[count:], strict=True)]
         inside = all((p.min is None or v >= p.min) and (p.max is None or v <= p.max) for v, p in own)
         if not inside or (own and not any(v != 0.0 for v, _ in own)):
             linear = np.concatenate([linear[:count], usual.linear[count:]])
@@ -191,13 +193,6 @@ def _truths(
     best = least_of(fits, lambda fit: fit.loss)
     of, rate = best.data, prepared.train[0].kept_rate
     return tuple(truths), residual_noise(best.residual, of.use, of.groups, rate, prepared.choice.cutoff, base.joints)
-
-
-def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[Rival, Rival], ...]:
-    """Return the (truth, rival) that a motion can distinguish at all."""
-    lost = {(item.first, item.second) for item in same} | {(item.second, item.first) for item in same if item.mutual}
-    pairs = permutations(truths, 2)
-    return tuple((a, b) for a, b in pairs if not lost.intersection({(a.name, b.name), (a.name, "")}))
 
 
 def _search(space: MotionSpace, measure: Distances, generations: int, seed: int, say: Progress) -> list[Fourier]:

@@ -48,9 +48,7 @@ SKETCH_NODES = 12
 
 @dataclass(frozen=True, eq=False)
 class Rival(AsJson):
-    """A rival with its numbers: `model` holds it, `linear` (P,) and `shape` (S,) are its values, `source` says
-    whence.
-    """
+    """A rival with its numbers: `model` holds it, with values `linear` (P,) and `shape` (S,); `source` says whence."""
 
     name: str
     model: Model

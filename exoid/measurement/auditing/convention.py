@@ -108,7 +108,7 @@ def check_conventions(
     for some, better in asked:
         if better is None or _only_in_part(some, better, smoothed(some)):
             continue
-        if left_if_late(smoothed(some), DELAYS).min() <= better.then:
+        if left_if_late(smoothed(some), DELAYS.tolist()).min() <= better.then:
             continue
         rest = [item for item in every if item not in some]
         read = [_read_so(item, better.reading) for item in some] if rest else []
@@ -175,24 +175,20 @@ def _best_zeros(sets: Sequence[Sequence[Smooth]], counted: Sequence[int]) -> tup
 
 
 def _odd(recordings: Sequence[Recording], smoothed: Callable[..., list[list[Smooth]]]) -> Sequence[Recording]:
-    """Return the recordings that may keep conventions of their own: in space, where asking takes long, those that leave
-    far more than another one.
-    """
+    """Return the recordings that may keep conventions of their own."""
     if not is_spatial(recordings[0].joints):
         return recordings
+    # In space, where asking takes long, those that leave far more than another one.
     left = [_stands(sets) if (sets := smoothed([item])) else 0.0 for item in recordings]
     return [item for item, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
 
 
 def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequence[Sequence[Smooth]]) -> bool:
-    """True if something that acts in part of the time explains more than the `better` reading of `recordings` does.
-
-    Not asked in space, where links have so many numbers that some fit any part.
-    """
-    if is_spatial(recordings[0].joints):
+    """True if something that acts in part of the time explains more than the `better` reading of `recordings` does."""
+    if is_spatial(recordings[0].joints):  # links have so many numbers there that some fit any part
         return False
     stands = left_in_part(sets, hypothesis((), recordings[0].joints))
-    return stands is not None and stands < (left_in_part(_as_in_the_files(recordings, sets), better.reading) or 0.0)
+    return stands < left_in_part(_as_in_the_files(recordings, sets), better.reading)
 
 
 def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:
@@ -263,9 +259,7 @@ def better_reading(
     forces: tuple[Force, ...] | None = None,
     likely: Sequence[str] = (),
 ) -> Better | None:
-    """Return the reading that explains all `recordings` far better than they stand; None where none does. Further
-    arguments are those of `check_conventions`.
-    """
+    """Return the reading that explains all `recordings` far better than they stand, None for none."""
     sets = smoothed_groups(recordings, weighs, forces)
     if not sets:
         return None
@@ -321,9 +315,7 @@ def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
 
 
 def _refined(sets: Sequence[Sequence[Smooth]], found: ConventionHypothesis) -> ConventionHypothesis:
-    """Return a reading with its gear ratios as near as they are known: whole numbers of two digits if these fit as
-    well.
-    """
+    """Return a reading with its gear ratios as near as they are known: of two digits where these fit as well."""
     step = float(np.log(RATIOS[-1] / RATIOS[-2]))
     grid = np.linspace(-step, step, 41)
 

@@ -51,7 +51,9 @@ def read_degrees(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
 
 
 def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str, float]) -> bool:
-    """True if all angles can only be degrees: nobody said a unit, and all reach further than any in rad."""
+    """True if all angles can only be degrees: nobody said a unit, all reach further than any in rad, and neither names
+    nor torques say that they are turns of a motor before its gear.
+    """
     limbs = all(joint.turns and not LIMBS.isdisjoint(words_in(joint.name)) for joint in draft.joints)
     if draft.told.intersection(reach) or not limbs:
         return False
@@ -61,23 +63,15 @@ def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str,
         some = sampled(draft.columns[name][draft.good(name)])
         if BEFORE_GEAR.intersection(words_in(assigned[name].column.name)) or np.all(some == np.round(some)):
             return False
-    return not _before_a_gear(draft)
-
-
-def _before_a_gear(draft: Draft) -> bool:
-    """The torques say that angles are turns of a motor.
-
-    Of one joint alone they say nothing of the kind: on a spring or a damper its inertia fits any ratio.
-    """
     count = len(draft.joints)
-    if count == 1:
-        return False
+    if count == 1:  # of whose gear torques say nothing: on a spring or a damper its inertia fits any ratio
+        return True
     columns = [f"{key}{k + 1}" for key in ("q", "tau") for k in range(count)]
     values = np.column_stack([draft.columns[name] for name in columns])
     good = np.all([draft.good(name) for name in columns], axis=0)
     q, tau = values[:, :count], values[:, count:]
     found = better_reading([Recording(draft.file, draft.columns["t"], q, tau, good, joints=draft.joints)])
-    return found is not None and any("-motor" in name.name for name in found.reading.names)
+    return found is None or not any("-motor" in name.name for name in found.reading.names)
 
 
 def _reach(draft: Draft, name: str) -> float:

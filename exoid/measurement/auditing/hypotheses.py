@@ -63,18 +63,15 @@ class ConventionHypothesis:
         return any(name.sums for name in self.names)
 
 
-Stage = Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]
-"""What is tried next, given the best readings so far."""
-
-
 def stages(
     now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, still: bool = True, several: bool = False
-) -> Iterator[Stage]:
-    """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
-    they stand leave very much (`now`), degrees and all combinations too. Of many joints there are too many readings:
-    the best of one name are given a second one, and so on, only then. On a base that is not `still` the machine
-    mirrored is another one. Sums of torques are asked of `several` recordings only: some fit any single one. In space
-    every pair of signs and zeros is tried: of two wrong zeros one put right may look no better than none.
+) -> Iterator[Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]]:
+    """Yield the readings to try, in stages that are given the best so far: the simple ones and gears of the joints
+    `turning`; where the recordings as they stand leave very much (`now`), degrees and all combinations too. Of many
+    joints there are too many readings: the best of one name are given a second one, and so on, only then. On a base
+    that is not `still` the machine mirrored is another one. Sums of torques are asked of `several` recordings only:
+    some fit any single one. In space every pair of signs and zeros is tried: of two wrong zeros one put right may look
+    no better than none.
     """
     spatial, very = is_spatial(joints), now > WRONG
     all_tried = len(joints) <= FEW_JOINTS and not spatial
@@ -178,9 +175,10 @@ def hypothesis(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> Convent
     return reading_of(conventions(tuple(names), joints), joints)
 
 
-def reading_of(chosen: tuple[Convention, ...], joints: tuple[Joint, ...]) -> ConventionHypothesis:
-    """Return the reading of the conventions `chosen`, in the order of application."""
-    return ConventionHypothesis(chosen, combined_map(chosen, joints))
+def reading_of(chosen: Iterable[Convention], joints: tuple[Joint, ...]) -> ConventionHypothesis:
+    """Return the reading of the conventions `chosen`."""
+    names = tuple(sorted(chosen, key=lambda item: item.order))  # as they are applied
+    return ConventionHypothesis(names, combined_map(names, joints))
 
 
 def _key(to: Map, joints: Sequence[Joint], still: bool) -> tuple[float, ...]:
@@ -193,8 +191,8 @@ def _key(to: Map, joints: Sequence[Joint], still: bool) -> tuple[float, ...]:
     keys = []
     for sign in (np.ones(len(joints)), mirror * np.ones(len(joints)))[: 2 if still else 1]:
         zero = np.round(np.mod(sign * to.zero, 2 * np.pi), 6) % round(2 * np.pi, 6)
-        parts = [np.round(sign[:, None] * rows, 6).ravel() for rows in (to.angle, to.torque)]
-        keys.append(tuple(float(x) for x in np.concatenate([parts[0], zero, parts[1]]) + 0.0))
+        rows = np.round(sign[:, None] * np.column_stack([to.angle, to.torque]), 6).ravel()
+        keys.append(tuple((np.concatenate([rows, zero]) + 0.0).tolist()))
     return max(keys)
 
 
@@ -204,28 +202,22 @@ def _of_two_drives(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHy
     or of a driver that maps them wrongly, with the angles as they stand or with one name.
     """
     angles = [item.names for item in readings(1, joints, still) if all(name.torque is None for name in item.names)]
-    chosen = [
-        sorted((torque_sums((times[:2], times[2:]), joints), *names), key=lambda one: one.order)
+    items = (
+        reading_of((torque_sums((times[:2], times[2:]), joints), *names), joints)
         for names, times in product(angles, product(SUMMED, repeat=4))
         if abs(times[0] * times[3] - times[1] * times[2]) in (1, 2)
-    ]
-    items = (reading_of(tuple(names), joints) for names in chosen)
+    )
     return _distinct(items, joints, still, readings(MOST, joints, still))
 
 
 def _geared(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
     """Return readings on the motor's side of a gear, with the usual signs."""
     signs = [conventions(sign, joints) for sign in (("", "flexion-positive") if is_leg(joints) else ("",))]
-    chosen = [
-        (gear(joint, part, float(ratio), joints), *sign)
-        for part, sign, ratio, joint in product(("", "angle"), signs, RATIOS, turning)
-    ]
+    parts, ratios = ("", "angle"), RATIOS.tolist()
+    chosen = [(gear(k, part, ratio, joints), *sign) for part, sign, ratio, k in product(parts, signs, ratios, turning)]
     if len(turning) > 1:
-        chosen += [
-            tuple(gear(joint, part, float(ratio), joints) for joint in turning)
-            for ratio, part in product(RATIOS, ("", "angle"))
-        ]
+        chosen += [tuple(gear(k, part, ratio, joints) for k in turning) for ratio, part in product(ratios, parts)]
     if is_spatial(joints):  # links share their numbers with those that carry them: a torque of another size is seen
         turns = [k for k, joint in enumerate(joints) if joint.turns]
-        chosen += [(gear(joint, "torque", float(ratio), joints),) for ratio, joint in product(RATIOS, turns)]
+        chosen += [(gear(k, "torque", ratio, joints),) for ratio, k in product(ratios, turns)]
     return [reading_of(names, joints) for names in chosen]

@@ -82,17 +82,15 @@ def sums_as_they_stand(sets: Sequence[Sequence[Smooth]], delays: Sequence[float]
     return [_sums(*part, hypothesis((), part[0].joints), stops=False) for part in _rows(sets, delays)]
 
 
-def left_if_late(sets: Sequence[Sequence[Smooth]], delays: Float, most: float = np.inf) -> Float:
+def left_if_late(sets: Sequence[Sequence[Smooth]], delays: Sequence[float], most: float = np.inf) -> Float:
     """Return the share left (D,) of torques that are late by each of `delays` (D,) in s, otherwise read as they stand;
     beyond `most` it may be a lower bound.
     """
-    return shares_left(sums_as_they_stand(sets, delays.tolist()), np.eye(len(sets[0][0].joints))[None], most)
+    return shares_left(sums_as_they_stand(sets, delays), np.eye(len(sets[0][0].joints))[None], most)
 
 
 def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
-    """Return a mask of the torques (J,) that vary by next to nothing beside their neighbours': they say not whose they
-    are.
-    """
+    """Mask (J,) of the torques that vary by next to nothing beside their neighbours': they say not whose they are."""
     joints = sets[0][0].joints
     power = np.sum([m.tau[m.keep].var(axis=0) for group in sets for m in group], axis=0)
     return np.asarray(power < QUIET**2 * np.where(_near(joints), power, 0.0).max(axis=1))
@@ -242,9 +240,9 @@ def shares_left(groups: Sequence[Sums], torques: Float, most: float = np.inf) ->
     return bound
 
 
-def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis) -> float | None:
+def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis) -> float:
     """Return the share of the torques' power that a rough machine leaves in the part of the time that it explains best
-    if the channels are read so; None where there are too few windows.
+    if the channels are read so; NaN where there are too few windows.
     """
     scale = np.sqrt(np.mean([m.tau.var(axis=0) for group in sets for m in group], axis=0))
     left, count = 0.0, 0
@@ -255,12 +253,10 @@ def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis
 
     for group in sets:
         windows = joined([_windows(motion, reading, scale) for motion in group])
-        best = trimmed(windows, solve)
-        if best is not None:
-            x, chosen = best
-            left += float(windows.losses(x[None])[0, chosen].sum())
-            count += int(chosen.sum())
-    return left / count if count else None
+        if (best := trimmed(windows, solve)) is not None:
+            left += float(windows.losses(best[0][None])[0, best[1]].sum())
+            count += int(best[1].sum())
+    return left / count if count else np.nan
 
 
 def _windows(motion: Smooth, reading: ConventionHypothesis, scale: Float) -> Windows:

@@ -126,10 +126,12 @@ def machine_columns(motion: Smooth) -> Float:
     each further link against it.
     """
     joints, q, dq, spatial = motion.joints, motion.q, motion.dq, is_spatial(motion.joints)
-    links = _in_a_plane(motion)
+    links: Sequence[Sequence[Any]]
     if spatial:  # what a motion shows of its links
         wanted = [(parameter.link, parameter.kind) for parameter in base_parameters(joints, _pull(motion))]
         links = link_columns(joints, _pull(motion), list(q.T), list(dq.T), list(motion.ddq.T), np, wanted)
+    else:
+        links = _in_a_plane(motion)
     columns: list[dict[int, Any]] = [dict(enumerate(row)) for row in links]
     widths = (TURNS,) if is_leg(joints) and motion.base is None else (TURNS, SHARPLY)
     for k, (joint, above) in enumerate(zip(joints, parents(joints), strict=True)):

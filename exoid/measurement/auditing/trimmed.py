@@ -75,8 +75,8 @@ def windows_of(columns: Float, tau: Float, q: Float, dq: Float, seen: NDArray[np
     y = (cut(np.moveaxis(columns, 2, 0))[whole] * weight[:, None]).reshape(whole.size, columns.shape[2], -1)
     t = (cut(tau)[whole] * weight).reshape(whole.size, -1)
     slope, power = (y @ t[:, :, None])[:, :, 0], np.sum(t**2, axis=1)
-    means = (cut(x.T)[whole].mean(axis=2) for x in (q, dq))
-    return Windows(y @ y.swapaxes(1, 2), slope, power, *means, whole * length)
+    place, speed = (cut(x.T)[whole].mean(axis=2) for x in (q, dq))
+    return Windows(y @ y.swapaxes(1, 2), slope, power, place, speed, whole * length)
 
 
 def joined(parts: list[Windows]) -> Windows:

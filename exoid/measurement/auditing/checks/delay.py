@@ -29,10 +29,10 @@ def check(recording: Recording) -> list[Finding]:
     sets = smoothed_groups([recording]) if is_leg(recording.joints) else []
     if not sets or not sums_as_they_stand(sets)[0].power.all():
         return []
-    now = float(left_if_late(sets, np.zeros(1))[0])
+    now = float(left_if_late(sets, [0.0])[0])
     if now > FITS or now == 0.0:
         return []
-    left = left_if_late(sets, TRIED, (1.0 - GAIN) * now)
+    left = left_if_late(sets, TRIED.tolist(), (1.0 - GAIN) * now)
     best = index_of_least(left, 1.0)
     delay, gain = float(TRIED[best]), 1.0 - float(left[best]) / now
     if gain < GAIN or best in (0, TRIED.size - 1):

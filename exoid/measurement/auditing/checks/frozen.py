@@ -61,10 +61,7 @@ def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int6
 
 
 def _stretches(channel: Channel, recording: Recording) -> list[tuple[int, int]]:
-    """Return first and last of the values of each long stretch of one value.
-
-    One that is held at its extreme is saturation or a stop.
-    """
+    """First and last of the values of each long stretch of one value but an extreme: that is saturation, or a stop."""
     values, at = channel.values, channel.at
     if values.size < 21 or np.ptp(values) == 0.0:
         return []

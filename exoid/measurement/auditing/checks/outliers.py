@@ -40,11 +40,9 @@ def check(recording: Recording) -> list[Finding]:
             severity, value, limit = "warning", held, CARRIED
             what += f", and {value:.0%} of the slow torque lies in them"
             remedy = "log the torque as the drive filters it, or faster than the controller changes it"
-            kept = not recording.spikes[:, j].any()
-            consequence = (
-                "kept as a drive's chatter: its samples are too few to tell the torque well" if kept
-                else "hidden as a sensor's spikes, they leave little to fit where the drive does chatter"
-            )  # fmt: skip
+            consequence = "kept as a drive's chatter: its samples are too few to tell the torque well"
+            if recording.spikes[:, j].any():
+                consequence = "hidden as a sensor's spikes, they leave little to fit where the drive does chatter"
         elif share > DENSE:
             severity, limit = "warning", DENSE
             remedy = "look at the torque sensor and the controller's differentiator"

@@ -14,9 +14,7 @@ COARSE: Threshold = 60.0
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Note the grid step of channels with fewer than 500 steps in their range; warn below 60, but for a torque that
-    reads next to nothing beside the others.
-    """
+    """Note the grid of channels with fewer than 500 steps in their range; warn below 60, but for idle torques."""
     found = []
     spans = torque_spans(recording)
     idle = {f"tau{j + 1}" for j, span in enumerate(spans) if span < NOTHING * max(spans)}

@@ -29,9 +29,7 @@ LITTLE: Threshold = 0.3
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Warn of angles beyond two turns (degrees?) or very small ones (turns?), and of torques beyond 1000 N·m (mN·m?)
-    or far too small for a leg (kN·m?).
-    """
+    """Warn of angles that look like degrees or turns, of torques like mN·m or kN·m, and of slides like millimetres."""
     angles, torques, leg = [*channels(recording, "q")], [*channels(recording, "tau")], is_leg(recording.joints)
     found = []
 

@@ -42,8 +42,7 @@ def check(recording: Recording) -> list[Finding]:
             continue
         scales = SCALES if owner.turns else SLIDING
         close = [(text, unit) for scale, text, unit in scales if abs(slope / scale - 1.0) < 0.2]
-        angle = WORDS["q"][not owner.turns]
-        what = f"the {owner.name} velocity is {slope:.3g} times the derivative of its {angle}"
+        what = f"the {owner.name} velocity is {slope:.3g} times the derivative of its {WORDS['q'][not owner.turns]}"
         what += "".join(f": {text}" for text, _ in close)
         column, consequence = f"dq{joint + 1}", "none while the velocity is taken from the angle"
         remedy = f"--units {column}={close[0][1]}" if close else f"check the column, or leave {column} out of the file"
