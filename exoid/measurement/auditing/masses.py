@@ -36,10 +36,8 @@ ALIKE: Threshold = 4.0
 
 
 def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gravity: Gravity) -> tuple[Finding, ...]:
-    """Warning where torques of an arm are far smaller than the masses of its robot file ask for.
-
-    Not where a `--convention` says already which side of the gears they are of.
-    """
+    """Warning where torques of an arm are far smaller than the masses of its robot file ask for."""
+    # Where a `--convention` says already which side of the gears they are of, nobody need be told.
     said = any("motor" in name for entry in recordings for name in entry.conventions)
     moved = any(entry.base is not None or entry.payloads for entry in recordings)
     if said or moved or not is_spatial(joints) or not _possible(joints):
@@ -63,9 +61,9 @@ def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gra
     line = ",".join(f"{joints[k].name}-motor-torque={digits(float(times[k]), 2)}" for k in geared)
     option = f"{MOTORS}-torques" if all(joints[k].motor for k in geared) else line
     names, sizes = [joints[k].name for k in np.flatnonzero(far)], ", ".join(digits(float(x), 2) for x in times[far])
-    what = f"the torques of {', '.join(names)} are" if len(names) > 1 else f"the torque of {names[0]} is"
-    what += f" about {sizes} times smaller than the masses in the robot file ask for: "
-    what += f"{'they look' if len(names) > 1 else 'it looks'} like that of the motor, before the gear"
+    torques, they = ("torques of {} are", "they look") if len(names) > 1 else ("torque of {} is", "it looks")
+    what = f"the {torques.format(', '.join(names))} about {sizes} times smaller than the masses in the robot file ask "
+    what += f"for: {they} like that of the motor, before the gear"
     remedy = f"if so, give --convention {option} (better with the ratios of the data sheet: these are as rough as the "
     remedy += f"masses); where the masses are wrong, --convention {names[0]}-motor-torque=1"
     where, most_times = place_of_all(recordings), float(times[far].max())
@@ -75,7 +73,7 @@ def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gra
 
 def _possible(joints: Sequence[Joint]) -> bool:
     """True if the file has masses, of bodies no larger than the arm: 1 kg and 1 kg·m² stand for nothing known."""
-    size = sum(float(np.linalg.norm((joint.origin or HERE).xyz)) for joint in joints[1:])
+    size = sum(math.hypot(*(joint.origin or HERE).xyz) for joint in joints[1:])
     bodies = [joint.body for joint in joints if joint.body]
     return bool(bodies) and all(
         body[4] + body[7] + body[9] < 2.0 * body[0] * size**2 and math.hypot(*body[1:4]) < size for body in bodies
