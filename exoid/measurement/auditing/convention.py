@@ -101,15 +101,22 @@ def check_conventions(
     if not sets or any(_stands(part) < LEAST for part in (sets, smoothed(every))):
         return ()
     found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces, likely))
-    asked = [(recordings, found)]
+    asked, spatial = [(recordings, found)], is_spatial(recordings[0].joints)
     if found is None and len(recordings) > 1:
-        asked = [([item], better_reading([item], weighs, forces)) for item in _odd(recordings, smoothed)]
+        odd = recordings
+        if spatial:  # where asking takes long: those that leave far more than another one
+            left = [_stands(part) if (part := smoothed([item])) else 0.0 for item in recordings]
+            odd = [item for item, share in zip(odd, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
+        asked = [([item], better_reading([item], weighs, forces)) for item in odd]
     findings = []
     for some, better in asked:
-        if better is None or _only_in_part(some, better, smoothed(some)):
+        own = smoothed(some)
+        if better is None or left_if_late(own, DELAYS.tolist()).min() <= better.then:
             continue
-        if left_if_late(smoothed(some), DELAYS.tolist()).min() <= better.then:
-            continue
+        if not spatial:  # where links have so many numbers that some fit any part
+            in_part = left_in_part(_as_in_the_files(some, own), better.reading)
+            if left_in_part(own, hypothesis((), some[0].joints)) < in_part:
+                continue
         rest = [item for item in every if item not in some]
         read = [_read_so(item, better.reading) for item in some] if rest else []
         if not rest or _stands(smoothed([*rest, *read])) < _stands(smoothed(every)):
@@ -172,23 +179,6 @@ def _best_zeros(sets: Sequence[Sequence[Smooth]], counted: Sequence[int]) -> tup
                 break
             zeros, least = near, left
     return at((zeros + 180.0) % 360.0 - 180.0), least
-
-
-def _odd(recordings: Sequence[Recording], smoothed: Callable[..., list[list[Smooth]]]) -> Sequence[Recording]:
-    """Return the recordings that may keep conventions of their own."""
-    if not is_spatial(recordings[0].joints):
-        return recordings
-    # In space, where asking takes long, those that leave far more than another one.
-    left = [_stands(sets) if (sets := smoothed([item])) else 0.0 for item in recordings]
-    return [item for item, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
-
-
-def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequence[Sequence[Smooth]]) -> bool:
-    """True if something that acts in part of the time explains more than the `better` reading of `recordings` does."""
-    if is_spatial(recordings[0].joints):  # links have so many numbers there that some fit any part
-        return False
-    stands = left_in_part(sets, hypothesis((), recordings[0].joints))
-    return stands < left_in_part(_as_in_the_files(recordings, sets), better.reading)
 
 
 def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:

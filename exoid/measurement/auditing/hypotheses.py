@@ -182,14 +182,13 @@ def reading_of(chosen: Iterable[Convention], joints: tuple[Joint, ...]) -> Conve
 
 
 def _key(to: Map, joints: Sequence[Joint], still: bool) -> tuple[float, ...]:
-    """Return a key that two maps share of which one is the other's mirror image, where the base is `still`.
-
-    A mirror leaves what slides along a link alone; where all joints slide, it stands at the end of the way.
+    """Return a key that two maps share of which one is the other's mirror image, where the base is `still`: a mirror
+    leaves what slides along a link alone, and where all joints slide, it stands at the end of the way.
     """
     turns = np.array([float(joint.turns) for joint in joints])
     mirror = 1.0 - 2.0 * (turns if turns.any() else 1.0)
     keys = []
-    for sign in (np.ones(len(joints)), mirror * np.ones(len(joints)))[: 2 if still else 1]:
+    for sign in (np.ones(len(joints)), mirror * np.ones(len(joints)))[: 1 + still]:
         zero = np.round(np.mod(sign * to.zero, 2 * np.pi), 6) % round(2 * np.pi, 6)
         rows = np.round(sign[:, None] * np.column_stack([to.angle, to.torque]), 6).ravel()
         keys.append(tuple((np.concatenate([rows, zero]) + 0.0).tolist()))

@@ -185,9 +185,8 @@ def _turned(motion: Smooth, to: Map) -> Smooth:
 
 
 def _stops(q: Float) -> Float:
-    """Return columns (J, K, 2 J) of what pushes back near the ends of each joint's range: stops, tendons, straps.
-
-    Without them a machine that runs into its stop would look like one that is read wrongly.
+    """Return columns (J, K, 2 J) of what pushes back near the ends of each joint's range (stops, tendons, straps):
+    without them a machine that runs into its stop would look like one that is read wrongly.
     """
     low, high = np.quantile(q, STOP, axis=0)
     out, each = np.zeros((q.shape[1], len(q), 2 * q.shape[1])), np.arange(q.shape[1])
@@ -207,9 +206,8 @@ def _factor(scaled: Float) -> Float:
 
 def shares_left(groups: Sequence[Sums], torques: Float, most: float = np.inf) -> Float:
     """Return for each torque map (M, J, J), or of a single one for each delay, the share of the power left, each group
-    fitted on its own; beyond `most` it may be a lower bound.
-
-    What is left counts in the torques as they were recorded, so that no reading gains by mixing them.
+    fitted on its own; beyond `most` it may be a lower bound. What is left counts in the torques as they were recorded,
+    so that no reading gains by mixing them.
     """
     power = np.sum([s.power.T for s in groups], axis=0)
     largest = np.where(groups[0].near, power[:, None], 0.0).max(axis=2)

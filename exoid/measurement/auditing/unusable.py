@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.measurement.auditing.channels import Channel, channels, place
-from exoid.measurement.auditing.checks import frozen, saturated
+from exoid.measurement.auditing.checks.frozen import frozen_stretches
 from exoid.measurement.auditing.checks.motion import NONE
+from exoid.measurement.auditing.checks.saturated import saturated_stretches
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
@@ -50,12 +51,10 @@ def mask_unusable(recording: Recording) -> Recording:
         found = replace(found, what=f"{found.what}; they are masked", remedy=found.remedy.partition(";")[0])
         findings.append(replace(found, severity="repaired", consequence=consequence, confidence=confidence))
 
-    for channel, rows, certain in frozen.frozen_stretches(recording):
+    for channel, rows, found, certain in frozen_stretches(recording):
         if certain:
-            found = frozen.frozen_finding(recording, channel, rows)
             mask(channel, rows, found, "none: they do not enter the fit", "certain")
-    for channel, level, rows in saturated.saturated_stretches(recording):
-        found = saturated.saturated_finding(recording, channel, level, rows)
+    for channel, rows, found in saturated_stretches(recording):
         what = "what happened at full scale is not known and does not enter the fit"
         mask(channel, rows, found, what, found.confidence)
     kept = angles.all(axis=1) & torques.all(axis=1)

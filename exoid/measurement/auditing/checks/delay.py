@@ -21,10 +21,8 @@ FITS: Threshold = 0.2
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Note a shift of 5 ms or more under which a rough pendulum leaves at least 15 % less of the torque.
-
-    Only a hint, of severity "info": an effect the model lacks can look like a delay, and the catalogue's
-    `time_delay` is tested on unseen motion.
+    """Note a shift of 5 ms or more under which a rough pendulum leaves at least 15 % less of the torque: only a hint,
+    since an effect the model lacks can look like a delay, and the catalogue's `time_delay` is tested on unseen motion.
     """
     sets = smoothed_groups([recording]) if is_leg(recording.joints) else []
     if not sets or not sums_as_they_stand(sets)[0].power.all():

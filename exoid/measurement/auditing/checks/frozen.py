@@ -34,11 +34,13 @@ SMOOTHED = 0.1
 
 def check(recording: Recording) -> list[Finding]:
     """Warn of stretches of one and the same value that the channel leaves with a jump, or that noise excludes."""
-    return [frozen_finding(recording, channel, rows) for channel, rows, _ in frozen_stretches(recording)]
+    return [found for _, _, found, _ in frozen_stretches(recording)]
 
 
-def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], bool]]:
-    """Yield channel, indices of the recording where it is frozen, and whether that is certain."""
+def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], Finding, bool]]:
+    """Yield channel, indices of the recording where it is frozen, the finding on it, and whether it is certain."""
+    remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"
+    consequence, machine = "the rows pull every parameter of this joint", machine_word(recording.joints)
     driven = _still_while_driven(recording)
     for channel in channels(recording, "q", "tau", FORCE):
         torque = not channel.name.startswith("q")
@@ -48,16 +50,10 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
         known = np.concatenate(sure)
         for rows, certain in ((known, True), (np.setdiff1d(np.concatenate(likely), known), False)):
             if rows.size:
-                yield channel, rows, certain
-
-
-def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64]) -> Finding:
-    """Return the finding about `rows` in which a channel is frozen."""
-    what = f"the {channel.label} is frozen in {rows.size} rows while the {machine_word(recording.joints)} moves"
-    where, share = place(recording, channel.name, rows), rows.size / len(recording)
-    remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"
-    consequence = "the rows pull every parameter of this joint"
-    return Finding("frozen", "warning", what, where, share, 0.0, remedy, consequence, "likely")
+                what = f"the {channel.label} is frozen in {rows.size} rows while the {machine} moves"
+                where, share = place(recording, channel.name, rows), rows.size / len(recording)
+                found = Finding("frozen", "warning", what, where, share, 0.0, remedy, consequence, "likely")
+                yield channel, rows, found, certain
 
 
 def _stretches(channel: Channel, recording: Recording) -> list[tuple[int, int]]:
@@ -96,10 +92,8 @@ def _frozen_torque(channel: Channel, recording: Recording) -> Iterator[tuple[int
 
 
 def _frozen_angle(channel: Channel, recording: Recording) -> Iterator[tuple[int, int, bool]]:
-    """Yield the same of an angle.
-
-    No joint jumps, nor stops and starts within a sample: certain is one that jumps at the end, or both stops and starts
-    so; likely one that does either, where the recording begins or ends with the stretch, say.
+    """Yield the same of an angle. No joint jumps, nor stops and starts within a sample: certain is one that jumps at
+    the end, or both stops and starts so; likely one that does either, where the recording begins or ends so, say.
     """
     values, step = channel.values, np.diff(channel.values)
     width = max(2, round(EDGE * recording.rate))

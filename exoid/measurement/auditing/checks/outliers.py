@@ -16,10 +16,8 @@ NOTED: Threshold = 0.02
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Count the torques that are far off, most of which preparation hides as spikes.
-
-    Warns where they are over 12 %, and where much of the torque is in them: dense ones are then the chatter of a drive,
-    and stay.
+    """Count the torques that are far off, most of which preparation hides as spikes; warn where they are over 12 %, and
+    where much of the torque is in them: dense ones are then the chatter of a drive, and stay.
     """
     found = []
     for j, channel in enumerate(channels(recording, "tau")):

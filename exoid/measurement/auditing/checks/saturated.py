@@ -25,11 +25,13 @@ angle
 
 def check(recording: Recording) -> list[Finding]:
     """Warn where a channel stays exactly at its largest or smallest value, an angle for three rows or more."""
-    return [saturated_finding(recording, *found) for found in saturated_stretches(recording)]
+    return [found for _, _, found in saturated_stretches(recording)]
 
 
-def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, NDArray[np.int64]]]:
-    """Yield channel, value and indices of the recording where the channel lies at its end of scale."""
+def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], Finding]]:
+    """Yield channel, indices of the recording where it lies at its end of scale, and the finding on it."""
+    remedy = "use a wider sensor range or a gentler motion"
+    consequence = "the true values are larger: inertias and friction come out too small"
     for channel in channels(recording, "q", "tau", FORCE):
         values, angle = channel.values, channel.name.startswith("q")
         least = max(6, 0.002 * values.size)
@@ -48,8 +50,12 @@ def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, 
                 continue
             if (channel.outside and level == 0.0) or (angle and _comes_to_rest(values, first[long])):
                 continue
-            rows = [channel.at[a : b + 1] for a, b in zip(first[long], last[long], strict=True)]
-            yield channel, float(level), np.concatenate(rows)
+            rows = np.concatenate([channel.at[a : b + 1] for a, b in zip(first[long], last[long], strict=True)])
+            size = f"exactly {level:.4g} {channel.unit} in {rows.size} rows"
+            what, where = f"the {channel.label} stays at {size} (end of scale?)", place(recording, channel.name, rows)
+            share = rows.size / len(recording)
+            found = Finding("saturated", "warning", what, where, share, 0.002, remedy, consequence, "likely")
+            yield channel, rows, found
 
 
 def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
@@ -59,12 +65,3 @@ def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
     entering = steps[first[first > 0] - 1]
     slow = max(RESTING * float(np.median(moving)), 1.5 * step_of(values))
     return not entering.size or bool(np.median(entering) < slow)
-
-
-def saturated_finding(recording: Recording, channel: Channel, level: float, rows: NDArray[np.int64]) -> Finding:
-    """Return the finding about `rows` in which a channel lies at its end of scale."""
-    what = f"the {channel.label} stays at exactly {level:.4g} {channel.unit} in {rows.size} rows (end of scale?)"
-    where, share = place(recording, channel.name, rows), rows.size / len(recording)
-    remedy = "use a wider sensor range or a gentler motion"
-    consequence = "the true values are larger: inertias and friction come out too small"
-    return Finding("saturated", "warning", what, where, share, 0.002, remedy, consequence, "likely")

@@ -33,8 +33,7 @@ def check(recording: Recording) -> list[Finding]:
     for joint, owner in enumerate(recording.joints):
         speed = recording.dq[:, joint]
         travelled = np.r_[0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)][::hop]
-        by_speed = np.diff(travelled)[: usable.size][usable[: travelled.size - 1]]
-        by_angle = np.diff(recording.q[::hop, joint])[: usable.size][usable[: travelled.size - 1]]
+        by_speed, by_angle = (np.diff(way)[usable] for way in (travelled, recording.q[::hop, joint]))
         if by_angle.size < 10 or np.ptp(by_angle) < 1e-3 * owner.reach:
             continue
         slope = float(by_speed @ by_angle / (by_angle @ by_angle))
