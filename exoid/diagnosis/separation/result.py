@@ -92,11 +92,9 @@ class Separation(AsJson):
 
     def __repr__(self) -> str:
         lines = [self.sentence]
-        for (truth, rival), far in self.apart.items():
-            now = "" if self.present is None else f", present recordings {self.present[truth, rival]:.1f} σ"
-            lines.append(
-                f"  {truth} true, {rival} fitted: {far:.1f} σ; at random {self.usual[truth, rival]:.1f} σ{now}"
-            )
+        for pair, far in self.apart.items():
+            now = "" if self.present is None else f", present recordings {self.present[pair]:.1f} σ"
+            lines.append(f"  {pair[0]} true, {pair[1]} fitted: {far:.1f} σ; at random {self.usual[pair]:.1f} σ{now}")
         lines += [f"  {rival.sentence}" for rival in self.rivals]
         lines.append(f"  noise: {self.noise}")
         lines += [f"  instead: {way}" for item in self.same for way in item.ways]
