@@ -142,7 +142,7 @@ def test_an_angle_that_stops_dead_and_starts_so_is_masked_where_it_did_not_jump(
     t = np.arange(1500) / 100.0
     q = np.column_stack([0.5 + 0.4 * np.sin(np.pi * t), -0.8 + 0.3 * np.cos(np.pi * t)])
     q[500:700, 0] = q[500, 0]
-    ((channel, rows, certain),) = frozen_stretches(recording(q=q))
+    ((channel, rows, _, certain),) = frozen_stretches(recording(q=q))
     assert channel.name == "q1" and rows.tolist() == list(range(500, 700)) and certain
 
 

@@ -100,6 +100,11 @@ def test_the_option_names_files_where_others_are_right_as_they_stand():
     assert every.remedy == "if so, give --convention flexion-positive"
 
 
+def test_a_recording_that_would_not_move_in_the_other_reading_is_right_as_it_stands():
+    (found,) = check_conventions([kept(motion(0), "degrees")], others=[motion(1)])
+    assert found.remedy == "if so, give --convention run0=degrees"
+
+
 @pytest.mark.parametrize(
     "names",
     [

@@ -12,12 +12,13 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import permutations
 from typing import Unpack
 
 import numpy as np
 
 from exoid.diagnosis.separation.distance import Distances, Rival, planned, residual_noise
-from exoid.diagnosis.separation.indistinguishable import Same, same_torques
+from exoid.diagnosis.separation.indistinguishable import same_torques
 from exoid.diagnosis.separation.result import Separation
 from exoid.diagnosis.separation.settings import SeparationOptions, SeparationSettings
 from exoid.ground.errors import ExoidError
@@ -56,6 +57,7 @@ FINALISTS = 4
 USUAL = 3
 """Motions drawn at random for comparison; their median counts."""
 
+
 class SeparateError(ExoidError):
     """Rivals that cannot be compared: fewer than two, or the same one twice."""
 
@@ -93,27 +95,29 @@ def separate(
     prepared = prepare(base.with_forces(*forces), recordings, cutoff=asked.cutoff) if recordings else None
     truths, measured = _truths(base, terms, forces, prepared, asked.numbers, say)
     noise = asked.noise or measured or usual_noise(model)
-    pairs = _pairs(truths, same)
+    # All (truth, rival) but those of which the rival can stand for the truth on every motion.
+    lost = {(item.first, item.second) for item in same} | {(item.second, item.first) for item in same if item.mutual}
+    pairs = [(a, b) for a, b in permutations(truths, 2) if not lost & {(a.name, b.name), (a.name, "")}]
     if prepared is not None:
         filter_ = prepared.choice.cutoff
-    measure = Distances(truths, pairs, noise, asked.duration, filter_)
+    measure = Distances(base, tuple(pairs), noise, asked.duration, filter_)
     motion: Fourier | None = None
+    apart: dict[tuple[str, str], float] = {}
     if pairs:
         found = _search(space, measure, asked.generations, asked.seed, say)
         say(0.85, "evaluating the motions")
-        motion = least_of(found, lambda one: -min(measure.motion(one).values()))
-    usual = [measure.motion(item) for item in drawn] if pairs else []
+        tried = [(item, measure.motion(item)) for item in found]
+        motion, apart = least_of(tried, lambda item: -min(item[1].values()))
+    usual = [measure.motion(item) for item in drawn]
     return Separation(
         model=base,
         rivals=tuple(truths),
         same=same,
         trajectory=motion,
-        apart=measure.motion(motion) if motion is not None else {},
+        apart=apart,
         present=measure.recordings(prepared.train) if prepared is not None else None,
-        present_seconds=(
-            sum(len(recording.kept) / recording.kept_rate for recording in prepared.train) if prepared else 0.0
-        ),
-        usual={pair: float(np.median([entry[pair] for entry in usual])) for pair in measure.names},
+        present_seconds=sum(len(item.kept) / item.kept_rate for item in prepared.train) if prepared else 0.0,
+        usual={pair: float(np.median([entry[pair] for entry in usual])) for pair in apart},
         noise=noise,
         duration=asked.duration,
         cutoff=filter_,
@@ -130,10 +134,14 @@ def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ..
     terms = tuple(base.with_effect(name).terms[-1] for name in rivals)
     names = [term.name for term in terms]
     if len(set(names)) < 2 or len(set(names)) < len(names):
+        usual = model.joint_names[0]
+        first = names[0] if names else f"stribeck:{usual}"
+        effect, _, joint = first.partition(":")
+        second = f"{'stribeck' if effect == 'viscous_quadratic' else 'viscous_quadratic'}:{joint or usual}"
         raise SeparateError(
             f"{', '.join(sorted(set(names))) or 'nothing'} is named, but it takes two different effects to compare",
             where="--separate",
-            remedy=f"add a second effect: {_second(names, model.joint_names[0])}",
+            remedy=f"add a second effect: {first},{second}",
         )
     return base, terms
 
@@ -144,14 +152,6 @@ def usual_noise(model: Model) -> Noise:
         return USUAL_NOISE
     scale = np.array(bench_machine(model).sensor_scale)
     return Noise(float(USUAL_NOISE.sd[0]) * scale, np.full(scale.shape, 10.0), USUAL_NOISE.source, model.joints)
-
-
-def _second(names: Sequence[str], usual: str) -> str:
-    """Return an example of what to write: the effect that is named, if any, and another one at the same joint."""
-    first = names[0] if names else f"stribeck:{usual}"
-    effect, _, joint = first.partition(":")
-    other = "stribeck" if effect == "viscous_quadratic" else "viscous_quadratic"
-    return f"{first},{other}:{joint or usual}"
 
 
 def _truths(
@@ -170,7 +170,9 @@ def _truths(
         model = replace(base, terms=(*base.terms, term))
         usual = nominal(model, numbers)
         if prepared is None:
-            source = "identified" if numbers is not None and _has(numbers, term) else "typical size"
+            names = (*numbers.linear, *numbers.shape) if numbers is not None else ()
+            known = any(name.startswith(f"{term.name}.") for name in names)
+            source = "identified" if known else "typical size"
             truths.append(Rival(term.name, model, usual.linear, usual.shape, source))
             continue
         say(0.05 + 0.1 * k, f"fitting {term.name} to the recordings")
@@ -179,44 +181,18 @@ def _truths(
         fits.append(fit)
         at = [pushed.parameters.index(p) for p in model.parameters]
         linear, source = np.array(fit.linear)[at], "fitted to the recordings"
-        if not _possible(model, linear, term):
-            count = len(base.parameters)
+        count = len(base.parameters)
+        own = [*zip(linear[count:].tolist(), model.parameters[count:], strict=True)]
+        inside = all((p.min is None or v >= p.min) and (p.max is None or v <= p.max) for v, p in own)
+        if not inside or (own and not any(v != 0.0 for v, _ in own)):
             linear = np.concatenate([linear[:count], usual.linear[count:]])
             source = "typical size, since its fit has a sign it cannot have"
         truths.append(Rival(term.name, model, linear, np.array(fit.shape), source))
     if not fits or prepared is None:
         return tuple(truths), None
     best = least_of(fits, lambda fit: fit.loss)
-    rate = prepared.train[0].kept_rate
-    data = best.data
-    noise = residual_noise(best.residual, data.use, data.groups, rate, prepared.choice.cutoff, base.joints)
-    return tuple(truths), noise
-
-
-def _has(numbers: Numbers, term: Term) -> bool:
-    return any(name.startswith(f"{term.name}.") for name in (*numbers.linear, *numbers.shape))
-
-
-def _possible(model: Model, linear: Float, term: Term) -> bool:
-    """True if the rival's own coefficients lie within their physical bounds and are not all zero."""
-    own = [(v, p) for v, p in zip(linear, model.parameters, strict=True) if p.term == term.name]
-    inside = all((p.min is None or v >= p.min) and (p.max is None or v <= p.max) for v, p in own)
-    return inside and (not own or any(v != 0.0 for v, _ in own))
-
-
-def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[int, int], ...]:
-    """Return the (truth, rival) that a motion can distinguish at all."""
-    place = {truth.name: k for k, truth in enumerate(truths)}
-    lost = set()
-    for item in same:
-        if item.second:
-            lost.add((place[item.first], place[item.second]))
-            if item.mutual:
-                lost.add((place[item.second], place[item.first]))
-        else:
-            lost |= {(place[item.first], k) for k in range(len(truths))}
-    count = len(truths)
-    return tuple((a, b) for a in range(count) for b in range(count) if a != b and (a, b) not in lost)
+    of, rate = best.data, prepared.train[0].kept_rate
+    return tuple(truths), residual_noise(best.residual, of.use, of.groups, rate, prepared.choice.cutoff, base.joints)
 
 
 def _search(space: MotionSpace, measure: Distances, generations: int, seed: int, say: Progress) -> list[Fourier]:

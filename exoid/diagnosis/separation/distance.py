@@ -13,7 +13,8 @@ coefficients are not enforced in the refit, which can only make D smaller.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -35,7 +36,7 @@ from exoid.optimisation.preparation.filtering import EDGE, INNER, PreparedRecord
 from exoid.optimisation.preparation.sticking import STICK_REACH, sticking
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.model import Model
-from exoid.symbolic.motion import Float, Motion
+from exoid.symbolic.motion import Float
 
 RATE = 100.0
 """Hz at which a designed motion is sampled when it is evaluated."""
@@ -47,9 +48,7 @@ SKETCH_NODES = 12
 
 @dataclass(frozen=True, eq=False)
 class Rival(AsJson):
-    """A rival with its numbers: `model` holds it, `linear` (P,) and `shape` (S,) are its values, `source` says
-    whence.
-    """
+    """A rival with its numbers: `model` holds it, with values `linear` (P,) and `shape` (S,); `source` says whence."""
 
     name: str
     model: Model
@@ -86,8 +85,8 @@ def planned(
     kept = np.arange(edge, len(t) - edge, max(1, int(RATE // (6.0 * cutoff))))
     if len(kept) < 2:
         raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="take at least 5 s of motion")
-    stuck = _stuck(motion, joints, int(np.ceil(STICK_REACH * RATE / (INNER * cutoff)))).T
-    none = np.zeros(len(joints))
+    reach, none = reaches(joints), np.zeros(len(joints))
+    stuck = sticking(motion.dq, reach, int(np.ceil(STICK_REACH * RATE / (INNER * cutoff))))
     return PreparedRecording(
         name="designed",
         motion=motion,
@@ -105,13 +104,8 @@ def planned(
         standing=none > 0.0,
         driven=none == 0.0,
         full_rate=RATE,
-        reach=reaches(joints),
+        reach=reach,
     )
-
-
-def _stuck(motion: Motion, joints: Sequence[Joint], near: int) -> Bool:
-    """Mask (J, N) of the samples at which each joint may stick, and of `near` samples around them."""
-    return sticking(motion.dq, reaches(joints), near).T
 
 
 def residual_noise(
@@ -123,13 +117,11 @@ def residual_noise(
     at most 2 × cut-off: a filtered signal has no more.
     """
     sd, per_second = np.empty(len(joints)), np.empty(len(joints))
-    for j in range(len(joints)):
-        live = np.asarray(use[j], dtype=bool)
-        score = residual[j][live][:, None]
-        own = np.asarray(groups)[live]
-        sd[j] = float(np.sqrt(np.mean(score**2)))
+    for j, live in enumerate(use):
+        score, own = residual[j][live][:, None], groups[live]
         longrun = float(block_outer(score, own, block_length(score, own))[0, 0]) / len(score)
-        per_second[j] = rate * float(np.mean(score**2)) / max(longrun, 1e-300)
+        square = float(np.mean(score**2))
+        sd[j], per_second[j] = np.sqrt(square), rate * square / max(longrun, 1e-300)
     source = "the residual of the recordings, with its autocorrelation"
     return Noise(sd, np.minimum(per_second, 2.0 * cutoff), source, tuple(joints))
 
@@ -138,16 +130,12 @@ def distance(truth: Rival, rival: Model, prepared: Sequence[PreparedRecording], 
     """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
     made = [recording.smooth(truth.model.torque(recording.motion, truth.linear, truth.shape)) for recording in prepared]
     told = [item.changed(torque=torque) for item, torque in zip(prepared, made, strict=True)]
-    assembly = Assembly(rival, told)
-    root = [np.sqrt(noise.weight / entry.kept_rate) for entry in prepared]
-    weights = np.concatenate(
-        [np.tile(w[:, None], (1, len(element.kept))) for w, element in zip(root, prepared, strict=True)], axis=1
-    )
+    assembly, known = Assembly(rival, told), _known(truth, rival)
+    root = [np.sqrt(noise.weight / item.kept_rate)[:, None] for item in prepared]
+    weights = np.repeat(np.concatenate(root, axis=1), [len(item.kept) for item in prepared], axis=1)
 
     def weighted(data: LinearData) -> LinearData:
         return replace(data, columns=data.columns * weights[:, :, None], tau=data.tau * weights)
-
-    known = _known(truth, rival)
 
     def loss(shape: Float) -> float:
         try:
@@ -169,80 +157,57 @@ def _known(truth: Rival, rival: Model) -> Float:
 
 def nodes(model: Model, start: Float, most: int) -> list[Float]:
     """Return about `most` trial values (S,) of a model's shapes: the last term's on a grid, others at `start`."""
-    last = model.terms[-1].name
-    free = [k for k, s in enumerate(model.shapes) if s.term == last]
-    if not free:
+    term = model.terms[-1]
+    own = {k: entry.shape for k, entry in enumerate(model.shapes) if entry.term == term.name}
+    if not own:
         return [start]
-    shapes = [model.shapes[k].shape for k in free]
     axes: list[Sequence[float]] = []
-    each = max(2, round(most ** (1.0 / max(1, sum(not s.choices for s in shapes)))))
-    for place, shape in zip(free, shapes, strict=True):
+    each = max(2, round(most ** (1.0 / max(1, sum(not shape.choices for shape in own.values())))))
+    for shape in own.values():
         if shape.choices:
             axes.append(shape.choices)
-        elif shape.spacing == "position":
-            axes.append(np.linspace(*_range(model, place), each).tolist())
+        elif shape.spacing == "position":  # somewhere in the joint's range
+            low, high = model.motion_limits[term.name.partition(":")[2]].angle
+            axes.append(np.linspace(max(shape.min, low), min(shape.max, high), each).tolist())
         else:
             axes.append([from_unit(shape, u) for u in np.linspace(0.0, 1.0, min(each, max(2, shape.points)))])
-    out = [start]
-    for values in itertools.product(*axes):
-        node = start.copy()
-        node[free] = values
-        out.append(node)
-    return out
-
-
-def _range(model: Model, place: int) -> tuple[float, float]:
-    """Ends of the part of a joint's range in which a position may be looked for."""
-    entry = model.shapes[place]
-    low, high = model.motion_limits[entry.term.partition(":")[2]].angle
-    return max(entry.shape.min, low), min(entry.shape.max, high)
+    out = np.tile(start, (1 + math.prod(map(len, axes)), 1))
+    out[1:, list(own)] = [*itertools.product(*axes)]
+    return list(out)
 
 
 @dataclass(frozen=True, eq=False)
 class Distances:
-    """Distances of `truths` on motions of `duration` s, for each (truth, rival) of `pairs`, in units of the noise.
+    """Distances of rivals on motions of `duration` s, for each (truth, rival) of `pairs`, in units of the noise.
 
     By full refits, or cheap and rough for a search: on one period, few samples, shapes on a coarse grid.
     """
 
-    truths: tuple[Rival, ...]
-    pairs: tuple[tuple[int, int], ...]
+    model: Model
+    pairs: tuple[tuple[Rival, Rival], ...]
     noise: Noise
     duration: float
     cutoff: float
 
     @property
-    def names(self) -> tuple[tuple[str, str], ...]:
-        """The pairs by name."""
-        return tuple((self.truths[a].name, self.truths[b].name) for a, b in self.pairs)
-
-    @property
-    def joints(self) -> tuple[Joint, ...]:
-        """Those of the machine."""
-        return self.truths[0].model.joints
-
-    @property
     def payload(self) -> Float | None:
         """Payload that the limb of its wearer is for the machine; None without one."""
-        model = self.truths[0].model
-        return None if model.wearer is None else model.wearer.added(model)
+        return None if self.model.wearer is None else self.model.wearer.added(self.model)
 
     def motion(self, trajectory: Fourier) -> dict[tuple[str, str], float]:
         """Return D of every pair on a motion."""
-        return self.recordings([planned(trajectory, self.duration, self.cutoff, self.joints, self.payload)])
+        return self.recordings([planned(trajectory, self.duration, self.cutoff, self.model.joints, self.payload)])
 
     def recordings(self, prepared: Sequence[PreparedRecording]) -> dict[tuple[str, str], float]:
         """Return D of every pair on prepared recordings together."""
-        rivals = zip(self.names, self.pairs, strict=True)
-        ends = ((names, self.truths[a], self.truths[b]) for names, (a, b) in rivals)
-        return {names: distance(a, b.model, prepared, self.noise, b.shape) for names, a, b in ends}
+        return {(a.name, b.name): distance(a, b.model, prepared, self.noise, b.shape) for a, b in self.pairs}
 
     def smallest(self, trajectory: Fourier) -> float:
         """Return roughly the smallest D² over the pairs."""
         step = trajectory.period / SKETCH_SAMPLES
         motion = replace(trajectory.at(np.arange(SKETCH_SAMPLES) * step), payload=self.payload)
-        stuck = _stuck(motion, self.joints, int(np.ceil(STICK_REACH / (self.cutoff * step))))
-        weight = np.sqrt(self.noise.weight[:, None] * (self.duration / SKETCH_SAMPLES)) * ~stuck
+        stuck = sticking(motion.dq, reaches(self.model.joints), int(np.ceil(STICK_REACH / (self.cutoff * step))))
+        weight = np.sqrt(self.noise.weight[:, None] * (self.duration / SKETCH_SAMPLES)) * ~stuck.T
         # What a Butterworth filter run forwards and backwards leaves of a periodic signal, frequency by frequency.
         gain = 1.0 / (1.0 + (np.fft.rfftfreq(SKETCH_SAMPLES, step) / self.cutoff) ** (2 * ORDER))
 
@@ -250,21 +215,20 @@ class Distances:
             passed = np.fft.irfft(np.fft.rfft(signals, axis=1) * gain[:, None], SKETCH_SAMPLES, axis=1)
             return np.asarray(passed * weight[:, :, None])
 
-        torques = [
-            seen(truth.model.torque(motion, truth.linear, truth.shape).T[:, :, None]).ravel() for truth in self.truths
-        ]
-        return min(self._gap(motion, torques[a], self.truths[a], self.truths[b], seen) for a, b in self.pairs)
-
-    def _gap(self, motion: Motion, torque: Float, truth: Rival, rival: Rival, seen: Callable[[Float], Float]) -> float:
-        model, best = rival.model, np.inf
-        known = _known(truth, model) if model.needs_reference else None
-        for node in nodes(model, rival.shape, SKETCH_NODES):
-            try:
-                columns = seen(model.columns(motion, node, known))
-            except ExpressionError:
-                continue
-            matrix = columns.reshape(-1, columns.shape[2])
-            best = min(best, _remainder(matrix, torque))
+        truths = {truth.name: truth for truth, _ in self.pairs}
+        torques = {
+            name: seen(truth.model.torque(motion, truth.linear, truth.shape).T[:, :, None]).ravel()
+            for name, truth in truths.items()
+        }
+        best = np.inf
+        for truth, rival in self.pairs:
+            known = _known(truth, rival.model) if rival.model.needs_reference else None
+            for node in nodes(rival.model, rival.shape, SKETCH_NODES):
+                try:
+                    columns = seen(rival.model.columns(motion, node, known))
+                except ExpressionError:
+                    continue
+                best = min(best, _remainder(columns.reshape(-1, columns.shape[2]), torques[truth.name]))
         return best
 
 

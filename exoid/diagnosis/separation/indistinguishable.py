@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 
 import numpy as np
 
@@ -23,8 +24,8 @@ from exoid.symbolic.term import Term
 
 MASS, REACH = 2.0, 0.30
 """kg and m down the last link of the known load that is tried."""
-LEAN = 0.15
-"""rad by which the stand is tilted."""
+LEAN, TILT = 0.15, "gravity_tilt"
+"""rad by which the stand is tilted, and the effect that this is."""
 SAME = 1e-7
 """Relative remainder below which a torque counts as made of the others."""
 
@@ -66,82 +67,71 @@ def same_torques(base: Model, rivals: Sequence[Term]) -> tuple[Same, ...]:
             absorbed.setdefault(alike.names[0].rpartition(".")[0], []).append(alike.relation)
         elif set(alike.names) <= set(names):
             first, second = alike.names
-            ways = other_ways(base, names[first], names[second])
+            ways = _other_ways(base, names[first], names[second])
             found.append(Same(first, second, alike.relation.removesuffix(", up to numbers of the model"), ways))
     for name, relations in absorbed.items():
         numbers = {*names[name].effect.coefficients, *names[name].effect.shape}
         if len(relations) == len(numbers):
-            found.append(Same(name, "", "; ".join(relations), other_ways(base, names[name], None)))
+            found.append(Same(name, "", "; ".join(relations), _other_ways(base, names[name])))
     return tuple(found)
 
 
-def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
+def _other_ways(base: Model, *rivals: Term) -> tuple[str, ...]:
     """Other ways to distinguish two rivals (or one from the model), in words: computed, then the catalogue's."""
-    out = []
     last = "shank" if not base.chain else base.joint_names[-1]
-    for text, load, lean in (
-        (f"hang a known mass on the {last} (computed for {MASS:g} kg), record again, name it (--payload)", True, False),
-        (f"tilt the stand by a known angle (computed for {LEAN:g} rad) and record again", False, True),
-    ):
-        apart = _apart(base, one, other, load, lean)
-        if apart is not None:
-            out.append(text if apart else f"does not help (computed): {text}")
-    out.sort(key=lambda text: text.startswith("does not"))
+    mass = f"hang a known mass on the {last} (computed for {MASS:g} kg), record again, name it (--payload)"
+    lean = f"tilt the stand by a known angle (computed for {LEAN:g} rad) and record again"
+    apart = {mass: _apart(base, rivals, load=True), lean: _apart(base, rivals, lean=True)}
+    out = [way for way, helps in apart.items() if helps]
+    out += [f"does not help (computed): {way}" for way, helps in apart.items() if helps is False]
     out += [
         f"the catalogue on {term.name} (a motion it names does not help here): {term.effect.tells_apart}"
-        for term in filter(None, (one, other))
+        for term in rivals
         if term.effect.tells_apart
     ]
-    if other is not None:
+    if len(rivals) > 1:
         out.append("static holds are motion too: what no motion distinguishes, they do not distinguish either")
     return tuple(dict.fromkeys(out))
 
 
-def _apart(base: Model, one: Term, other: Term | None, load: bool, lean: bool) -> bool | None:
+def _apart(base: Model, rivals: Sequence[Term], load: bool = False, lean: bool = False) -> bool | None:
     """Answer to whether a second set-up separates the rivals; None where that cannot be computed."""
-    terms = [*base.terms, one, *([other] if other is not None else [])]
-    tilt = "gravity_tilt"
     try:
-        model = replace(base, terms=tuple(terms))
-        if lean and tilt not in {term.name for term in terms}:
-            model = model.with_effect(tilt)
+        model = replace(base, terms=(*base.terms, *rivals))
+        if lean and not any(term.name == TILT for term in model.terms):
+            model = model.with_effect(TILT)
         whole = tangents(model)
-        first, second = _setting(whole, model, False, False), _setting(whole, model, load, lean)
+        stacked = np.concatenate([_setting(whole, model), _setting(whole, model, load, lean)])
     except ExoidError:
         return None
-    stacked = np.concatenate([first, second])
-    mine = {term.name for term in terms}
-    place = {name: k for k, name in enumerate(whole.names) if name.rpartition(".")[0] in mine or "." not in name}
-    belongs = {term.name: [k for n, k in place.items() if n.startswith(f"{term.name}.")] for term in terms}
-    old = [
-        k for n, k in place.items() if k not in belongs[one.name] and (other is None or k not in belongs[other.name])
-    ]
-    if other is None:
-        return not _inside(stacked[:, old], stacked[:, belongs[one.name]])
-    rows = (one.name, other.name)
-    return not any(_inside(stacked[:, [*old, *belongs[a]]], stacked[:, belongs[b]]) for a, b in (rows, rows[::-1]))
+    owners = [name.rpartition(".")[0] for name in whole.names]
+
+    def of(*terms: str) -> Float:
+        """Columns of what belongs to the `terms`, "" for the machine itself."""
+        return stacked[:, [k for term in terms for k, owner in enumerate(owners) if owner == term]]
+
+    known, names = ("", *(term.name for term in base.terms)), [term.name for term in rivals]
+    if len(names) == 1:
+        return not _inside(of(*known), of(*names))
+    return not any(_inside(of(*known, a), of(b)) for a, b in permutations(names))
 
 
-def _setting(whole: Tangents, model: Model, load: bool, lean: bool) -> Float:
+def _setting(whole: Tangents, model: Model, load: bool = False, lean: bool = False) -> Float:
     """Return the derivatives of the torque (rows, numbers) in one set-up."""
-    function, inputs = whole.function, list(whole.inputs)
-    linear, shape = np.array(inputs[-2]), np.array(inputs[-1])
+    *inputs, linear, shape = map(np.array, whole.inputs)
     if load:
         added = Payload(MASS, (REACH, REACH, REACH) if model.spatial else REACH).added(model)
         linear[: len(added)] += added
-    for k, entry in enumerate(model.shapes):
-        if entry.term == "gravity_tilt":
-            shape[k] = LEAN if lean else 0.0
-    values = np.asarray(function(*inputs[:-2], linear, shape))
+    shape[[entry.term == TILT for entry in model.shapes]] = LEAN if lean else 0.0
     count = len(whole.names)
-    return np.moveaxis(values.reshape(count, len(model.joints), -1), 0, 2).reshape(-1, count)
+    values = np.asarray(whole.function(*inputs, linear, shape)).reshape(count, len(model.joints), -1)
+    return np.moveaxis(values, 0, 2).reshape(-1, count)
 
 
 def _inside(known: Float, columns: Float) -> bool:
     """True if every one of `columns` is a combination of the `known` ones."""
     scale = np.linalg.norm(known, axis=0)
-    basis, triangle = np.linalg.qr(known / np.where(scale > 0.0, scale, 1.0))
-    left, size, _ = np.linalg.svd(triangle)
-    basis = basis @ left[:, : int(np.sum(size > 1e-10 * max(1.0, float(size[0]))))]
+    left, size, _ = np.linalg.svd(known / np.where(scale > 0.0, scale, 1.0), full_matrices=False)
+    basis = left[:, size > 1e-10 * max(1.0, float(size[0]))]
     rest = columns - basis @ (basis.T @ columns)
     return bool(np.all(np.linalg.norm(rest, axis=0) <= SAME * np.maximum(np.linalg.norm(columns, axis=0), 1e-300)))

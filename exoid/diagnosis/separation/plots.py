@@ -12,7 +12,6 @@ from exoid.symbolic.joints import LEG, Joint, names, units
 from exoid.symbolic.motion import Motion
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 COLOURS = tuple(OKABE_ITO[name] for name in ("blue", "orange", "green"))
@@ -35,29 +34,23 @@ def separation_figure(
     with figure_style():
         figure = new_figure(11.0, 4.2)
         bars, angles = figure.subplots(1, 2)
-        _bars(pairs, distances, enough, title, bars)
+        height = 0.8 / len(distances)
+        for k, ((name, values), colour) in enumerate(zip(distances, COLOURS, strict=False)):
+            place = (k - 0.5 * (len(distances) - 1)) * height
+            bars.barh(np.arange(len(pairs)) + place, values, height, color=colour, label=name)
+        bars.axvline(enough, color=FAINT, linestyle="--", linewidth=1.0)
+        bars.set_yticks(np.arange(len(pairs)), pairs)
+        bars.invert_yaxis()
+        bars.set(title=title, xlabel=label("distance", "σ of the noise"))
+        if pairs:
+            bars.legend(loc="lower right", fontsize="small")
         if motion is not None:
             for j, (name, colour) in enumerate(joint_colours(names(joints)).items()):
                 angles.plot(motion.t, motion.q[:, j], color=colour, label=name)
                 for level in limits[j]:
                     angles.axhline(level, color=colour, linestyle=":", linewidth=0.9)
             angles.legend(loc="upper right")
-        unit = units(joints, "q")
-        angles.set(title="the motion, limits dotted", xlabel=label("time", "s"), ylabel=label("angle", unit))
+        angles.set(title="the motion, limits dotted", xlabel=label("time", "s"))
+        angles.set_ylabel(label("angle", units(joints, "q")))
         angles.margins(x=0.0, y=0.2)
     return figure
-
-
-def _bars(
-    pairs: Sequence[str], distances: Sequence[tuple[str, Sequence[float]]], enough: float, title: str, axes: Axes
-) -> None:
-    rows = np.arange(len(pairs))
-    height = 0.8 / len(distances)
-    for k, ((name, values), colour) in enumerate(zip(distances, COLOURS, strict=False)):
-        axes.barh(rows + (k - 0.5 * (len(distances) - 1)) * height, values, height, color=colour, label=name)
-    axes.axvline(enough, color=FAINT, linestyle="--", linewidth=1.0)
-    axes.set_yticks(rows, pairs)
-    axes.invert_yaxis()
-    axes.set(title=title, xlabel=label("distance", "σ of the noise"))
-    if pairs:
-        axes.legend(loc="lower right", fontsize="small")

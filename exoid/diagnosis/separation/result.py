@@ -105,20 +105,9 @@ class Separation(AsJson):
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per (truth, rival): σ apart by design, at random, in the present recordings."""
-        rows = [
-            (a, b, far, self.usual[a, b], None if self.present is None else self.present[a, b])
-            for (a, b), far in self.apart.items()
-        ]
+        present = self.present or dict.fromkeys(self.apart)
+        rows = [(*pair, far, self.usual[pair], present[pair]) for pair, far in self.apart.items()]
         return pandas().DataFrame(rows, columns=["truth", "rival", "designed", "at_random", "present"])
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the result in plain types."""
-        return super().to_json() | {
-            "apart": _rows(self.apart),
-            "present": None if self.present is None else _rows(self.present),
-            "at_random": _rows(self.usual),
-            "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
-        }
 
     def plot(self) -> Figure:
         """Draw the distances, and the motion."""
@@ -141,7 +130,9 @@ class Separation(AsJson):
             "separable": self.separable, "smallest": self.smallest, "sentence": self.sentence, "rivals": self.rivals,
             "present_seconds": self.present_seconds, "never": self.same, "limits": self.uses, "noise": self.noise,
             "duration": self.duration, "needed": self.needed, "cutoff": self.cutoff, "seed": self.seed,
-            "seconds": self.seconds,
+            "seconds": self.seconds, "apart": _rows(self.apart),
+            "present": None if self.present is None else _rows(self.present), "at_random": _rows(self.usual),
+            "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
         }  # fmt: skip
 
 

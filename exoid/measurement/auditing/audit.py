@@ -14,11 +14,9 @@ from exoid.measurement.auditing import checks
 from exoid.measurement.finding import SEVERITIES, Finding
 from exoid.measurement.recording import Recording
 
-Check = Callable[[Recording], list[Finding]]
-
 
 @cache
-def find_checks() -> dict[str, Check]:
+def find_checks() -> dict[str, Callable[[Recording], list[Finding]]]:
     """Return {file name: check} of every module in `exoid/measurement/auditing/checks/`."""
     return {name: module.check for name, module in modules_in(checks).items()}
 

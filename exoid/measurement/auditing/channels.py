@@ -49,6 +49,15 @@ class Channel:
         """Some of the values (W,), evenly spread and enough for a quantile."""
         return sampled(self.values)
 
+    @property
+    def largest(self) -> float:
+        """Distance of the values from zero, but for the largest fiftieth; 0 without any."""
+        return float(np.percentile(np.abs(self.some), 98)) if self.values.size else 0.0
+
+    def span(self, rest: float) -> float:
+        """Range of the values but for `rest` percent of them at either end; 0 without any."""
+        return float(np.ptp(np.percentile(self.some, [rest, 100 - rest]))) if self.values.size else 0.0
+
 
 def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
     """Yield the channels of the quantities `keys` ("q", "tau", ...; FORCE for all from outside) that the recording has,
@@ -58,27 +67,24 @@ def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
     for key, values in recording.quantities.items():
         for j, joint in enumerate(recording.joints if key in keys else ()):
             at = np.flatnonzero(valid[key][j] if key in valid else recording.valid)
-            whole = at.size == len(recording)
-            label = f"{joint.name} {WORDS[key][not joint.turns]}"
-            yield Channel(f"{key}{j + 1}", label, joint.unit(key), values[:, j] if whole else values[at, j], at, joint)
+            own = values[:, j] if at.size == len(recording) else values[at, j]
+            yield Channel(
+                f"{key}{j + 1}", f"{joint.name} {WORDS[key][not joint.turns]}", joint.unit(key), own, at, joint
+            )
     for name, signal in recording.forces.items() if FORCE in keys else ():
         at = np.flatnonzero(recording.valid)
-        values = signal if at.size == len(recording) else signal[at]
-        yield Channel(name, f"force in {name}", force_unit(name), values, at, recording.joints[-1], outside=True)
+        yield Channel(name, f"force in {name}", force_unit(name), signal[at], at, recording.joints[-1], outside=True)
 
 
 def torque_spans(recording: Recording) -> list[float]:
     """Return the middle 80 % of every joint's torque; what is below NOTHING of the largest reads next to nothing."""
-    torques = channels(recording, "tau")
-    return [float(np.ptp(np.percentile(torque.some, [10, 90]))) if torque.some.size else 0.0 for torque in torques]
+    return [torque.span(10) for torque in channels(recording, "tau")]
 
 
 def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:
     """Return "file, column q1, rows 12-15"; `at` are indices into the recording."""
     rows = "" if at is None else row_ranges(np.sort(recording.row[at]))
-    return ", ".join(
-        part for part in (recording.source.path or recording.name, column and f"column {column}", rows) if part
-    )
+    return ", ".join(filter(None, (recording.source.path or recording.name, column and f"column {column}", rows)))
 
 
 def place_of_all(recordings: Sequence[Recording]) -> str:

@@ -4,8 +4,8 @@ Angles and torques are read in every usual way and combination; for each reading
 inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole machine mirrored
 (angles and torques negated) is the same one, so such pairs of readings count as one. A reading is only named where the
 recordings as they stand contradict the pendulum and the other reading fits far better, and where the recordings as they
-stand are not explained better still for part of the time (`in_part.py`), or with late torques: a foot on the ground is
-no wrong sign.
+stand are not explained better still for part of the time, or with late torques: a foot on the ground is no wrong sign.
+The zeros of encoders are looked for where angles are counts: these start anywhere, so that no usual zero need fit.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -22,26 +23,8 @@ from exoid.ground.minimum import minimum
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import ascending, index_of_least, order_of, tied
 from exoid.measurement.auditing.channels import place_of_all
-from exoid.measurement.auditing.encoder_zeros import best_zeros, counted_joints
-from exoid.measurement.auditing.hypotheses import (
-    BEAM,
-    RATIOS,
-    ConventionHypothesis,
-    cost_of,
-    hypothesis,
-    stages,
-    turning_joints,
-    with_ratios,
-)
-from exoid.measurement.auditing.in_part import left_in_part
-from exoid.measurement.auditing.power_left import (
-    power_left,
-    quiet_torques,
-    shares_left,
-    smoothed_groups,
-    sums_as_they_stand,
-    undone,
-)
+from exoid.measurement.auditing.hypotheses import RATIOS, ConventionHypothesis, hypothesis, stages, turning_joints
+from exoid.measurement.auditing.power_left import left_if_late, left_in_part, power_left, quiet_torques, smoothed_groups
 from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import combined_map, conventions
@@ -49,6 +32,7 @@ from exoid.measurement.reading.registers import COUNTED
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Vector, is_leg, is_spatial, machine_word, parents
+from exoid.symbolic.motion import Float
 
 CHECK, SIGN = "convention", "sign"
 CHECKS = (CHECK, SIGN)
@@ -71,6 +55,12 @@ DELAYS = np.arange(-45, 46) * 1e-2
 """s by which torques may be late, where a reading is only what these look like."""
 NEAR = 0.09
 """rad from a usual zero, within which that of an encoder is taken for it: what the rough machine lacks moves it."""
+COARSE = 30.0
+"""Degrees between the zeros of encoders that are tried first: the weight of a link changes by half of itself."""
+FINER, MOST_STEPS = (7.0, 2.5, 0.8, 0.3, 0.1, 0.03), 20
+"""Steps in degrees by which the best of them moves then, and how often by each."""
+MOST_COUNTED = 2
+"""Joints whose zeros are tried in every combination."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,31 +98,43 @@ def check_conventions(
         return ()
     smoothed = partial(smoothed_groups, weighs=weighs, forces=forces)
     sets, every = smoothed(recordings), [*beside, *recordings]
-    if not sets or _stands(sets) < LEAST:
-        return ()
-    together = _stands(smoothed(every)) if beside else _stands(sets)
-    if together < LEAST:
+    if not sets or any(_stands(part) < LEAST for part in (sets, smoothed(every))):
         return ()
     found = _with_zeros(recordings, sets, better_reading(recordings, weighs, forces, likely))
-    asked = [(recordings, found)]
+    asked, spatial = [(recordings, found)], is_spatial(recordings[0].joints)
     if found is None and len(recordings) > 1:
-        asked = [([item], better_reading([item], weighs, forces)) for item in _odd(recordings, smoothed)]
+        odd = recordings
+        if spatial:  # where asking takes long: those that leave far more than another one
+            left = [_stands(part) if (part := smoothed([item])) else 0.0 for item in recordings]
+            odd = [item for item, share in zip(odd, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
+        asked = [([item], better_reading([item], weighs, forces)) for item in odd]
     findings = []
     for some, better in asked:
-        if better is None or _only_in_part(some, better, smoothed(some)) or _late(smoothed(some), better):
+        own = smoothed(some)
+        if better is None or left_if_late(own, DELAYS.tolist()).min() <= better.then:
             continue
-        more = len(every) > len(some)
-        read = [_read_so(item, better.reading) if item in some else item for item in every] if more else []
-        if not more or _stands(smoothed(read)) < together:
-            alone = found is None or any(_is_right(item, better.reading, smoothed) for item in (*beside, *others))
-            findings.append(_finding(some, better, [f"{_file(item)}=" for item in some] if alone else ()))
+        if not spatial:  # where links have so many numbers that some fit any part
+            in_part = left_in_part(_as_in_the_files(some, own), better.reading)
+            if left_in_part(own, hypothesis((), some[0].joints)) < in_part:
+                continue
+        rest = [item for item in every if item not in some]
+        read = [_read_so(item, better.reading) for item in some] if rest else []
+        if not rest or _stands(smoothed([*rest, *read])) < _stands(smoothed(every)):
+            told = [] if found is None else [*beside, *others]
+            right = any(_stands(smoothed([k])) < _stands(smoothed([_read_so(k, better.reading)])) for k in told)
+            findings.append(_finding(some, better, each=found is None or right))
     return tuple(findings)
 
 
-def _is_right(item: Recording, reading: ConventionHypothesis, smoothed: Callable[..., list[list[Smooth]]]) -> bool:
-    """True if a recording is explained better as it stands than in another reading."""
-    sets = smoothed([item])
-    return bool(sets) and _stands(sets) < _stands(smoothed([_read_so(item, reading)]))
+def counted_joints(recordings: Sequence[Recording]) -> list[int]:
+    """Return the joints whose angles are counts of an encoder in every recording, read without a convention: any other
+    has its zero where somebody put it.
+    """
+    if is_spatial(recordings[0].joints) or any(item.conventions for item in recordings):
+        return []
+    checks = [{finding.check for finding in item.findings} for item in recordings]
+    counts = [COUNTED.format(f"q{k + 1}") for k in range(len(recordings[0].joints))]
+    return [k for k, check in enumerate(counts) if all(check in there for there in checks)][:MOST_COUNTED]
 
 
 def _with_zeros(
@@ -145,7 +147,7 @@ def _with_zeros(
     if not counted or (found is not None and not any(name.zero for name in found.reading.names)):
         return found
     now = _stands(sets)
-    reading, left = best_zeros(sets, counted)
+    reading, left = _best_zeros(sets, counted)
     if left > min(GAIN, now / TIMES, np.inf if found is None else found.then):
         return found
     if found is None:
@@ -155,37 +157,41 @@ def _with_zeros(
     return found if same else Better(reading, now, left, (found.reading,))
 
 
-def _odd(recordings: Sequence[Recording], smoothed: Callable[..., list[list[Smooth]]]) -> Sequence[Recording]:
-    """Return the recordings that may keep conventions of their own: in space, where asking takes long, those that leave
-    far more than another one.
-    """
-    if not is_spatial(recordings[0].joints):
-        return recordings
-    left = [_stands(sets) if (sets := smoothed([item])) else 0.0 for item in recordings]
-    return [item for item, share in zip(recordings, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
+def _best_zeros(sets: Sequence[Sequence[Smooth]], counted: Sequence[int]) -> tuple[ConventionHypothesis, float]:
+    """Return the zeros of the `counted` joints that leave least of the torques' power, and what they leave."""
+    joints = sets[0][0].joints
 
+    def at(zeros: Float) -> ConventionHypothesis:
+        return hypothesis([f"{joints[k].name}-zero={z:.2f}" for k, z in zip(counted, zeros, strict=True)], joints)
 
-def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequence[Sequence[Smooth]]) -> bool:
-    """True if something that acts in part of the time explains more than the `better` reading of `recordings` does.
+    def best(some: Sequence[Float]) -> tuple[Float, float]:
+        left = power_left(sets, [at(zeros) for zeros in some])
+        k = index_of_least(left, 1.0)
+        return some[k], float(left[k])
 
-    Not asked in space, where links have so many numbers that some fit any part.
-    """
-    if is_spatial(recordings[0].joints):
-        return False
-    stands = left_in_part(sets, hypothesis((), recordings[0].joints))
-    return stands is not None and stands < (left_in_part(_as_in_the_files(recordings, sets), better.reading) or 0.0)
-
-
-def _late(sets: Sequence[Sequence[Smooth]], better: Better) -> bool:
-    """True if torques that are late or early explain as much as the `better` reading does."""
-    left = shares_left(sums_as_they_stand(sets, DELAYS.tolist()), np.eye(len(sets[0][0].joints))[None])
-    return float(left.min()) <= better.then
+    places = np.arange(-180.0, 180.0, COARSE)
+    zeros, least = best([np.array(entry) for entry in product(places, repeat=len(counted))])
+    moves = [np.array(item) for item in product((0.0, -1.0, 1.0), repeat=len(counted))]
+    for step in FINER:
+        for _ in range(MOST_STEPS):
+            near, left = best([zeros + step * move for move in moves])
+            if not left < least:
+                break
+            zeros, least = near, left
+    return at((zeros + 180.0) % 360.0 - 180.0), least
 
 
 def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:
     """Return the motions as the files hold them, where all were read alike: the option to give is looked for there."""
-    kept = {recording.conventions for recording in recordings}
-    return [[undone(motion, *kept) if len(kept) == 1 else motion for motion in group] for group in sets]
+    kept, *others = {recording.conventions for recording in recordings}
+    to = combined_map(conventions(() if others else kept, recordings[0].joints), recordings[0].joints)
+    back = np.linalg.inv(to.angle).T
+
+    def undone(motion: Smooth) -> Smooth:
+        q, tau = to.undone(motion.q, motion.tau)
+        return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau, elsewhere=False)
+
+    return [[motion if others else undone(motion) for motion in group] for group in sets]
 
 
 def _read_so(item: Recording, reading: ConventionHypothesis) -> Recording:
@@ -205,39 +211,36 @@ def _known(recording: Recording) -> bool:
     return is_leg(joints) or all(above is None or joints[above].length is not None for above in parents(joints))
 
 
-def _file(recording: Recording) -> str:
-    return Path(recording.source.path).name if recording.source.path else recording.name
-
-
-def _steps(recordings: Sequence[Recording], found: Better) -> str:
+def _steps(recordings: Sequence[Recording], reading: ConventionHypothesis) -> str:
     """Steps per turn of encoders whose angles count on a motor's side."""
     said = {finding.check: finding.value for finding in recordings[0].findings if finding.value}
     every = []
     for k, joint in enumerate(recordings[0].joints):
-        ratio = float(abs(found.reading.map.angle[k, k]))
-        step = said.get(COUNTED.format(f"q{k + 1}"))
-        geared = any(name.name.startswith(f"{joint.name}-motor") for name in found.reading.names)
+        ratio, step = float(abs(reading.map.angle[k, k])), said.get(COUNTED.format(f"q{k + 1}"))
+        geared = any(name.name.startswith(f"{joint.name}-motor") for name in reading.names)
         if step and geared and 0.0 < ratio != 1.0:
             every.append(f"q{k + 1} about {2 * np.pi / (abs(step) * ratio):.0f} instead of {2 * np.pi / abs(step):.4g}")
     return f"; or its encoders have other steps a turn than --units says ({', '.join(every)})" if every else ""
 
 
-def _finding(recordings: Sequence[Recording], found: Better, files: Sequence[str] = ()) -> Finding:
+def _finding(recordings: Sequence[Recording], found: Better, each: bool) -> Finding:
+    """The warning that another reading fits; its option is that of `each` file where others are right as they stand."""
     option, *same = (",".join(name.name for name in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
-    machine = machine_word(joints)
-    what = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
-    what += f": a {machine} so read leaves {found.then / len(joints):.1%} of the torques' variance unexplained, "
-    what += f"as it stands {found.now / len(joints):.0%}"
-    give = " ".join(f"--convention {file}{option}" for file in files or [""])
+    what = f"it looks as if {', or '.join(reading.what for reading in (found.reading, *found.rivals))}"
+    what += f": a {machine_word(joints)} so read leaves {found.then / len(joints):.1%} of the torques' variance "
+    what += f"unexplained, as it stands {found.now / len(joints):.0%}"
+    files = [f"{Path(item.source.path).name or item.name}=" for item in recordings] if each else [""]
+    give = " ".join(f"--convention {file}{option}" for file in files)
     remedy = f"if so, give {give}" if option else "if so, leave --convention away"
     remedy += f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""
-    remedy += _steps(recordings, found)
-    check = SIGN if found.reading.sides and len(recordings) == 1 else CHECK
-    where = place_of_all(recordings)
-    sure = "possible" if found.rivals or found.then > GAIN else "likely"
-    consequence = "every parameter is wrong"
-    return Finding(check, "warning", what, where, found.now, LEAST, remedy, consequence, sure, "" if files else option)
+    remedy += _steps(recordings, found.reading)
+    sides = all(name.order in (0, 2) for name in found.reading.names)  # signs and exchanges of channels alone
+    return Finding(
+        SIGN if sides and len(recordings) == 1 else CHECK, "warning", what, place_of_all(recordings), found.now, LEAST,
+        remedy, "every parameter is wrong", "possible" if found.rivals or found.then > GAIN else "likely",
+        "" if each else option,
+    )  # fmt: skip
 
 
 def better_reading(
@@ -246,14 +249,11 @@ def better_reading(
     forces: tuple[Force, ...] | None = None,
     likely: Sequence[str] = (),
 ) -> Better | None:
-    """Return the reading that explains all `recordings` far better than they stand; None where none does. Further
-    arguments are those of `check_conventions`.
-    """
+    """Return the reading that explains all `recordings` far better than they stand, None for none."""
     sets = smoothed_groups(recordings, weighs, forces)
     if not sets:
         return None
-    joints = recordings[0].joints
-    now = _stands(sets)
+    joints, now = recordings[0].joints, _stands(sets)
     if now < LEAST:
         return None
     sets = _as_in_the_files(recordings, sets)
@@ -271,7 +271,7 @@ def better_reading(
     left, quiet = np.zeros(0), quiet_torques(sets)
     still = not is_spatial(joints) and all(motion.base is None for group in sets for motion in group)
     for stage in stages(now, turning_joints(sets), joints, still, several=len(recordings) > 1):
-        more = [item for item in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(item, quiet)]
+        more = [item for item in stage([kinds[k] for k in order_of(left, 1.0)]) if not _another(item, quiet)]
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])
         if left.min(initial=np.inf) <= settled:
@@ -282,14 +282,13 @@ def better_reading(
     as_good = [k for k in range(len(kinds)) if left[k] <= AS_GOOD * best]
     # How many steps a turn has is easily said wrongly, and a sensor of torque stands behind the gear.
     counted = {f"{joints[k].name}-motor" for k in counted_joints(recordings)}
-    cost = {k: cost_of(kinds[k]) + any(c.name.partition("=")[0] in counted for c in kinds[k].names) for k in as_good}
+    cost = {k: kinds[k].cost + any(c.name.partition("=")[0] in counted for c in kinds[k].names) for k in as_good}
     chosen = ascending((k for k in as_good if cost[k] == min(cost.values())), lambda k: left[k], 1.0)
-    others = tuple(kinds[k] for k in chosen[1:4])
-    if any(name.name.count("-motor") for name in kinds[chosen[0]].names):
-        return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())
-    least, *more = left[chosen[:4]]
-    same = tuple(other for other, value in zip(others, more, strict=True) if tied([least, value], 1.0).all())
-    return Better(kinds[chosen[0]], now, float(left[chosen[0]]), others, same)
+    first, *others = chosen[:4]
+    if any("-motor" in name.name for name in kinds[first].names):
+        return Better(_refined(sets, kinds[first]), now, float(left[first]), ())
+    same = tuple(kinds[k] for k in others if tied([left[first], left[k]], 1.0).all())
+    return Better(kinds[first], now, float(left[first]), tuple(kinds[k] for k in others), same)
 
 
 def _another(reading: ConventionHypothesis, quiet: NDArray[np.bool_]) -> bool:
@@ -301,24 +300,28 @@ def _another(reading: ConventionHypothesis, quiet: NDArray[np.bool_]) -> bool:
 
 
 def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
-    """Return the share that is left of the torques' power as the recordings stand."""
-    return float(power_left(sets, [hypothesis((), sets[0][0].joints)])[0])
+    """Return the share that is left of the torques' power as the recordings stand; infinite where none moves."""
+    return float(power_left(sets, [hypothesis((), sets[0][0].joints)])[0]) if sets else np.inf
 
 
-def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> ConventionHypothesis:
-    """Return a reading with its gear ratios as near as they are known: whole numbers of two digits if these fit as
-    well.
-    """
-    joints = sets[0][0].joints
+def _refined(sets: Sequence[Sequence[Smooth]], found: ConventionHypothesis) -> ConventionHypothesis:
+    """Return a reading with its gear ratios as near as they are known: of two digits where these fit as well."""
     step = float(np.log(RATIOS[-1] / RATIOS[-2]))
     grid = np.linspace(-step, step, 41)
 
-    def share(x: float) -> float:
-        return float(power_left(sets, [with_ratios(one, lambda ratio: ratio * np.exp(x), joints)])[0])
+    def geared(reading: ConventionHypothesis, change: Callable[[float], float]) -> ConventionHypothesis:
+        names = []
+        for item in reading.names:
+            stem, _, ratio = item.name.partition("=")
+            motor = "-motor" in stem and ratio
+            names.append(f"{stem}={change(float(ratio)):.4f}".rstrip("0").rstrip(".") if motor else item.name)
+        return hypothesis(names, sets[0][0].joints)
 
-    left = [share(float(x)) for x in grid]
-    near, wide = float(grid[index_of_least(left, 1.0)]), float(grid[1] - grid[0])
+    def share(x: float) -> float:
+        return float(power_left(sets, [geared(found, lambda ratio: ratio * np.exp(x))])[0])
+
+    near, wide = float(grid[index_of_least([share(float(x)) for x in grid], 1.0)]), float(grid[1] - grid[0])
     change, least = minimum(share, near - wide, near + wide, 1e-5)
-    best = with_ratios(one, lambda ratio: ratio * np.exp(change), joints)
-    rounded = with_ratios(best, lambda ratio: float(f"{ratio:.2g}" if ratio > 10 else round(ratio)), joints)
+    best = geared(found, lambda ratio: ratio * np.exp(change))
+    rounded = geared(best, lambda ratio: float(f"{ratio:.2g}" if ratio > 10 else round(ratio)))
     return rounded if power_left(sets, [rounded])[0] <= AS_GOOD * least else best

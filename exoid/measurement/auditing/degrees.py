@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from exoid.measurement.auditing.checks.units import CHECK as UNITS
 from exoid.measurement.auditing.checks.units import EACH, ROUND, TURNS
 from exoid.measurement.auditing.checks.velocity import WRONG
 from exoid.measurement.auditing.convention import better_reading
@@ -20,10 +21,10 @@ from exoid.measurement.reading.columns import Assigned
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.names import words_in
 from exoid.measurement.recording import Recording, base_columns
-from exoid.symbolic.joints import Joint
 from exoid.symbolic.units import DEGREE
 
 LIMBS = frozenset({"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
+"""Words of a joint of a person or of what a person wears, which stops within a turn."""
 BEFORE_GEAR = frozenset({"motor", "drive", "actuator", "encoder", "enc", "counts", "ticks", "raw", "rotor"})
 """Words of a column that may count turns of a shaft, or steps of an encoder."""
 
@@ -40,53 +41,37 @@ def read_degrees(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
     converted = [name for name in (*angles, *base, *rates) if name not in draft.told]
     columns = {n: v * DEGREE if n in converted else v for n, v in draft.columns.items()}
     largest = max(angles, key=lambda name: reach[name])
+    what = f"{largest} reaches {reach[largest]:.4g}, in rad impossible for the "
+    what += f"{draft.joints[angles.index(largest)].name}: {', '.join(converted)} were read in degrees"
+    remedy = "if that is wrong, say so with --units q=rad; a header 'q1 [deg]' avoids the question"
     return replace(draft, columns=columns).noted(
-        "units",
-        "repaired",
-        f"{largest} reaches {reach[largest]:.4g}, in rad impossible for the "
-        f"{draft.joints[angles.index(largest)].name}: "
-        f"{', '.join(converted)} were read in degrees",
-        f"column {largest}",
-        value=reach[largest],
-        limit=float(TURNS),
-        remedy="if that is wrong, say so with --units q=rad; a header 'q1 [deg]' avoids the question",
+        UNITS, "repaired", what, f"column {largest}", value=reach[largest], limit=float(TURNS), remedy=remedy,
         confidence="likely",
-    )
-
-
-def is_limb(joint: Joint) -> bool:
-    """True if this is a joint of a person or of what a person wears, which stops within a turn."""
-    return joint.turns and not LIMBS.isdisjoint(words_in(joint.name))
+    )  # fmt: skip
 
 
 def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str, float]) -> bool:
-    """True if all angles can only be degrees: nobody said a unit, and all reach further than any in rad."""
-    if draft.told.intersection(reach) or not all(map(is_limb, draft.joints)):
+    """True if all angles can only be degrees: nobody said a unit, all reach further than any in rad, and neither names
+    nor torques say that they are turns of a motor before its gear.
+    """
+    limbs = all(joint.turns and not LIMBS.isdisjoint(words_in(joint.name)) for joint in draft.joints)
+    if draft.told.intersection(reach) or not limbs:
         return False
-    if not (max(reach.values()) > TURNS and min(reach.values()) > EACH and max(reach.values()) < ROUND):
+    if not (TURNS < max(reach.values()) < ROUND and min(reach.values()) > EACH):
         return False
     for name in reach:
         some = sampled(draft.columns[name][draft.good(name)])
         if BEFORE_GEAR.intersection(words_in(assigned[name].column.name)) or np.all(some == np.round(some)):
             return False
-    return not _before_a_gear(draft)
-
-
-def _before_a_gear(draft: Draft) -> bool:
-    """The torques say that angles are turns of a motor.
-
-    Of one joint alone they say nothing of the kind: on a spring or a damper its inertia fits any ratio.
-    """
-    if len(draft.joints) == 1:
-        return False
-    angles, torques = (
-        np.column_stack([draft.columns[f"{key}{k + 1}"] for k in range(len(draft.joints))]) for key in ("q", "tau")
-    )
-    good = np.column_stack([draft.good(f"{key}{k + 1}") for key in ("q", "tau") for k in range(len(draft.joints))])
-    found = better_reading(
-        [Recording(draft.file, draft.columns["t"], angles, torques, np.all(good, axis=1), joints=draft.joints)]
-    )
-    return found is not None and any("-motor" in name.name for name in found.reading.names)
+    count = len(draft.joints)
+    if count == 1:  # of whose gear torques say nothing: on a spring or a damper its inertia fits any ratio
+        return True
+    columns = [f"{key}{k + 1}" for key in ("q", "tau") for k in range(count)]
+    values = np.column_stack([draft.columns[name] for name in columns])
+    good = np.all([draft.good(name) for name in columns], axis=0)
+    q, tau = values[:, :count], values[:, count:]
+    found = better_reading([Recording(draft.file, draft.columns["t"], q, tau, good, joints=draft.joints)])
+    return found is None or not any("-motor" in name.name for name in found.reading.names)
 
 
 def _reach(draft: Draft, name: str) -> float:

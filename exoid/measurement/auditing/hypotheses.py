@@ -53,39 +53,48 @@ class ConventionHypothesis:
         return " and ".join(name.what for name in self.names) or "angles and torques need no --convention"
 
     @property
+    def cost(self) -> float:
+        """Number of changes that it needs; among equals the usual ones cost a little less."""
+        return round(len(self.names) + sum(name.unusual for name in self.names), 6)
+
+    @property
     def sums(self) -> bool:
         """True if joints' torques are sums of the recorded ones."""
         return any(name.sums for name in self.names)
 
-    @property
-    def sides(self) -> bool:
-        """True if it only changes signs and exchanges channels."""
-        return all(name.order in (0, 2) for name in self.names)
-
-
-Stage = Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]
-"""What is tried next, given the best readings so far."""
-
 
 def stages(
     now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, still: bool = True, several: bool = False
-) -> Iterator[Stage]:
-    """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
-    they stand leave very much (`now`), degrees and all combinations too. Of many joints there are too many readings:
-    the best of one name are given a second one, and so on, only then. On a base that is not `still` the machine
-    mirrored is another one. Sums of torques are asked of `several` recordings only: some fit any single one. In space
-    every pair of signs and zeros is tried: of two wrong zeros one put right may look no better than none.
+) -> Iterator[Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]]:
+    """Yield the readings to try, in stages that are given the best so far: the simple ones and gears of the joints
+    `turning`; where the recordings as they stand leave very much (`now`), degrees and all combinations too. Of many
+    joints there are too many readings: the best of one name are given a second one, and so on, only then. On a base
+    that is not `still` the machine mirrored is another one. Sums of torques are asked of `several` recordings only:
+    some fit any single one. In space every pair of signs and zeros is tried: of two wrong zeros one put right may look
+    no better than none.
     """
     spatial, very = is_spatial(joints), now > WRONG
     all_tried = len(joints) <= FEW_JOINTS and not spatial
 
     def longer(best: Sequence[ConventionHypothesis]) -> Sequence[ConventionHypothesis]:
-        return _extended(best[:BEAM_IN_SPACE] if spatial else best, joints, still)
+        """Return the `best` with one name more each, mirrored ones once."""
+        items = (
+            hypothesis((*(named.name for named in item.names), name), joints)
+            for item, group in product(best[: BEAM_IN_SPACE if spatial else BEAM], _groups_of_names(joints))
+            if not any(named.name in group for named in item.names)
+            for name in group
+        )
+        return _distinct(items, joints, still, best)
 
     yield lambda best: readings(FEW if all_tried else 1, joints, still)
     if very and not (all_tried or spatial):
         yield longer
-    yield lambda best: [*(_in_degrees(joints, still) if very else ()), *_geared(turning, joints)]
+    turned = any(joint.turns for joint in joints)
+    in_degrees = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints, still) if very and turned else ()
+    yield lambda best: [
+        *(hypothesis(("degrees", *(name.name for name in item.names)), joints) for item in in_degrees),
+        *_geared(turning, joints),
+    ]
     if spatial:
         own = [group for group in _groups_of_names(joints) if not group[0].startswith("swapped-")]
         yield lambda best: [hypothesis(names, joints) for names in _chosen(own, FEW) if len(names) == FEW]
@@ -93,22 +102,8 @@ def stages(
         yield lambda best: [reading for reading in readings(MOST, joints, still) if len(reading.names) > FEW]
     elif very or spatial:
         yield from (longer,) * (MOST - FEW)
-    if very and several and len(joints) == FEW_JOINTS and not spatial:
+    if very and several and len(joints) == FEW_JOINTS and not spatial and joints[0].turns == joints[1].turns:
         yield lambda best: _of_two_drives(joints, still)
-
-
-def _extended(
-    best: Sequence[ConventionHypothesis], joints: tuple[Joint, ...], still: bool
-) -> Sequence[ConventionHypothesis]:
-    """Return `best` with one name more each, mirrored ones once."""
-    pairs = (
-        (item, name)
-        for item, group in product(best, _groups_of_names(joints))
-        if not any(named.name in group for named in item.names)
-        for name in group
-    )
-    longer = (hypothesis((*(named.name for named in item.names), name), joints) for item, name in pairs)
-    return _distinct(longer, joints, still, best)
 
 
 def turning_joints(sets: Sequence[Sequence[Smooth]]) -> list[int]:
@@ -143,8 +138,12 @@ def readings(most: int = MOST, joints: tuple[Joint, ...] = LEG, still: bool = Tr
     """Return every reading of signs, zeros, sides and partners with at most so many names, mirrored ones once where
     the base is `still`, the simplest name of each.
     """
-    possible = [hypothesis(names, joints) for names in _chosen(_groups_of_names(joints), most) if _makes_sense(names)]
-    return _distinct(sorted(possible, key=cost_of), joints, still)
+    possible = [
+        hypothesis(names, joints)
+        for names in _chosen(_groups_of_names(joints), most)  # a shank against the horizontal is an absolute one
+        if "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
+    ]
+    return _distinct(sorted(possible, key=lambda item: item.cost), joints, still)
 
 
 def _chosen(groups: Sequence[Sequence[str]], most: int) -> Iterator[tuple[str, ...]]:
@@ -171,47 +170,29 @@ def _distinct(
     return tuple(item for key, item in found.items() if key not in seen)
 
 
-def _makes_sense(names: tuple[str, ...]) -> bool:
-    """True if a shank angle that counts from the horizontal is an absolute one."""
-    return "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
-
-
 def hypothesis(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> ConventionHypothesis:
     """Return the reading of the conventions with these `names`."""
     return reading_of(conventions(tuple(names), joints), joints)
 
 
-def reading_of(chosen: tuple[Convention, ...], joints: tuple[Joint, ...]) -> ConventionHypothesis:
-    """Return the reading of the conventions `chosen`, in the order of application."""
-    return ConventionHypothesis(chosen, combined_map(chosen, joints))
+def reading_of(chosen: Iterable[Convention], joints: tuple[Joint, ...]) -> ConventionHypothesis:
+    """Return the reading of the conventions `chosen`."""
+    names = tuple(sorted(chosen, key=lambda item: item.order))  # as they are applied
+    return ConventionHypothesis(names, combined_map(names, joints))
 
 
-def cost_of(one: ConventionHypothesis) -> float:
-    """Number of changes that a reading needs; among equals the usual ones cost a little less."""
-    return round(len(one.names) + sum(c.unusual for c in one.names), 6)
-
-
-def _key(to: Map, joints: Sequence[Joint], still: bool = True) -> tuple[float, ...]:
-    """Return a key that two maps share of which one is the other's mirror image, where the base is `still`.
-
-    A mirror leaves what slides along a link alone; where all joints slide, it stands at the end of the way.
+def _key(to: Map, joints: Sequence[Joint], still: bool) -> tuple[float, ...]:
+    """Return a key that two maps share of which one is the other's mirror image, where the base is `still`: a mirror
+    leaves what slides along a link alone, and where all joints slide, it stands at the end of the way.
     """
     turns = np.array([float(joint.turns) for joint in joints])
     mirror = 1.0 - 2.0 * (turns if turns.any() else 1.0)
     keys = []
-    for sign in (np.ones(len(joints)), mirror * np.ones(len(joints)))[: 2 if still else 1]:
+    for sign in (np.ones(len(joints)), mirror * np.ones(len(joints)))[: 1 + still]:
         zero = np.round(np.mod(sign * to.zero, 2 * np.pi), 6) % round(2 * np.pi, 6)
-        parts = [np.round(sign[:, None] * rows, 6).ravel() for rows in (to.angle, to.torque)]
-        keys.append(tuple(float(x) for x in np.concatenate([parts[0], zero, parts[1]]) + 0.0))
+        rows = np.round(sign[:, None] * np.column_stack([to.angle, to.torque]), 6).ravel()
+        keys.append(tuple((np.concatenate([rows, zero]) + 0.0).tolist()))
     return max(keys)
-
-
-@cache
-def _in_degrees(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHypothesis, ...]:
-    if not any(joint.turns for joint in joints):
-        return ()
-    some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints, still)
-    return tuple(hypothesis(("degrees", *(c.name for c in item.names)), joints) for item in some)
 
 
 @cache
@@ -219,43 +200,23 @@ def _of_two_drives(joints: tuple[Joint, ...], still: bool) -> tuple[ConventionHy
     """Return the readings of two recorded torques of which the joints' are sums or differences, as of a differential
     or of a driver that maps them wrongly, with the angles as they stand or with one name.
     """
-    if joints[0].turns != joints[1].turns:
-        return ()
     angles = [item.names for item in readings(1, joints, still) if all(name.torque is None for name in item.names)]
-    chosen = [
-        sorted((torque_sums((times[:2], times[2:]), joints), *names), key=lambda one: one.order)
+    items = (
+        reading_of((torque_sums((times[:2], times[2:]), joints), *names), joints)
         for names, times in product(angles, product(SUMMED, repeat=4))
         if abs(times[0] * times[3] - times[1] * times[2]) in (1, 2)
-    ]
-    items = (reading_of(tuple(names), joints) for names in chosen)
+    )
     return _distinct(items, joints, still, readings(MOST, joints, still))
 
 
 def _geared(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
     """Return readings on the motor's side of a gear, with the usual signs."""
     signs = [conventions(sign, joints) for sign in (("", "flexion-positive") if is_leg(joints) else ("",))]
-    chosen = [
-        (gear(joint, part, float(ratio), joints), *sign)
-        for part, sign, ratio, joint in product(("", "angle"), signs, RATIOS, turning)
-    ]
+    parts, ratios = ("", "angle"), RATIOS.tolist()
+    chosen = [(gear(k, part, ratio, joints), *sign) for part, sign, ratio, k in product(parts, signs, ratios, turning)]
     if len(turning) > 1:
-        chosen += [
-            tuple(gear(joint, part, float(ratio), joints) for joint in turning)
-            for ratio, part in product(RATIOS, ("", "angle"))
-        ]
+        chosen += [tuple(gear(k, part, ratio, joints) for k in turning) for ratio, part in product(ratios, parts)]
     if is_spatial(joints):  # links share their numbers with those that carry them: a torque of another size is seen
         turns = [k for k, joint in enumerate(joints) if joint.turns]
-        chosen += [(gear(joint, "torque", float(ratio), joints),) for ratio, joint in product(RATIOS, turns)]
+        chosen += [(gear(k, "torque", ratio, joints),) for ratio, k in product(ratios, turns)]
     return [reading_of(names, joints) for names in chosen]
-
-
-def with_ratios(
-    one: ConventionHypothesis, change: Callable[[float], float], joints: tuple[Joint, ...]
-) -> ConventionHypothesis:
-    """Return the reading `one` with every gear ratio changed."""
-    names = []
-    for item in one.names:
-        stem, _, ratio = item.name.partition("=")
-        geared = "-motor" in stem and ratio
-        names.append(f"{stem}={change(float(ratio)):.4f}".rstrip("0").rstrip(".") if geared else item.name)
-    return hypothesis(names, joints)

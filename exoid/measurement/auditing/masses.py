@@ -36,10 +36,8 @@ ALIKE: Threshold = 4.0
 
 
 def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gravity: Gravity) -> tuple[Finding, ...]:
-    """Warning where torques of an arm are far smaller than the masses of its robot file ask for.
-
-    Not where a `--convention` says already which side of the gears they are of.
-    """
+    """Warning where torques of an arm are far smaller than the masses of its robot file ask for."""
+    # Where a `--convention` says already which side of the gears they are of, nobody need be told.
     said = any("motor" in name for entry in recordings for name in entry.conventions)
     moved = any(entry.base is not None or entry.payloads for entry in recordings)
     if said or moved or not is_spatial(joints) or not _possible(joints):
@@ -62,12 +60,20 @@ def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gra
     geared = np.flatnonzero(driven & ~right).tolist()
     line = ",".join(f"{joints[k].name}-motor-torque={digits(float(times[k]), 2)}" for k in geared)
     option = f"{MOTORS}-torques" if all(joints[k].motor for k in geared) else line
-    return (_finding(recordings, option, [joints[k].name for k in np.flatnonzero(far)], times[far]),)
+    names, sizes = [joints[k].name for k in np.flatnonzero(far)], ", ".join(digits(float(x), 2) for x in times[far])
+    torques, they = ("torques of {} are", "they look") if len(names) > 1 else ("torque of {} is", "it looks")
+    what = f"the {torques.format(', '.join(names))} about {sizes} times smaller than the masses in the robot file ask "
+    what += f"for: {they} like that of the motor, before the gear"
+    remedy = f"if so, give --convention {option} (better with the ratios of the data sheet: these are as rough as the "
+    remedy += f"masses); where the masses are wrong, --convention {names[0]}-motor-torque=1"
+    where, most_times = place_of_all(recordings), float(times[far].max())
+    consequence = "every parameter is wrong"
+    return (Finding(MASSES, "warning", what, where, most_times, FAR, remedy, consequence, "likely"),)
 
 
 def _possible(joints: Sequence[Joint]) -> bool:
     """True if the file has masses, of bodies no larger than the arm: 1 kg and 1 kg·m² stand for nothing known."""
-    size = sum(float(np.linalg.norm((joint.origin or HERE).xyz)) for joint in joints[1:])
+    size = sum(math.hypot(*(joint.origin or HERE).xyz) for joint in joints[1:])
     bodies = [joint.body for joint in joints if joint.body]
     return bool(bodies) and all(
         body[4] + body[7] + body[9] < 2.0 * body[0] * size**2 and math.hypot(*body[1:4]) < size for body in bodies
@@ -97,20 +103,3 @@ def _numbers(joint: Joint) -> dict[str, float]:
         return {}
     mass, x, y, z, xx, xy, xz, yy, yz, zz = joint.body
     return about_joint(mass, (x, y, z), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-
-
-def _finding(recordings: Sequence[Recording], option: str, far: Sequence[str], times: Float) -> Finding:
-    sizes = ", ".join(digits(float(value), 2) for value in times)
-    torques, they = ("torques of {} are", "they look") if len(far) > 1 else ("torque of {} is", "it looks")
-    what = (
-        f"the {torques.format(', '.join(far))} about {sizes} times smaller than the masses in the robot file ask for: "
-        f"{they} like that of the motor, before the gear"
-    )
-    remedy = (
-        f"if so, give --convention {option} (better with the ratios of the data sheet: these are as rough as the "
-        f"masses); where the masses are wrong, --convention {far[0]}-motor-torque=1"
-    )
-    where = place_of_all(recordings)
-    return Finding(
-        MASSES, "warning", what, where, float(times.max()), FAR, remedy, "every parameter is wrong", "likely"
-    )

@@ -1,10 +1,16 @@
-"""The share of the torques' power that a reading leaves: a rough pendulum is fitted to all recordings, so read."""
+"""The share of the torques' power that a reading leaves: a rough pendulum is fitted to all recordings, so read.
+
+Something unmeasured may act in part of the time, rather than a channel mean something else. Another reading has to
+explain the torques always; a foot that is on the ground, or a hand that pushes, leaves the rest of the time to the
+machine as it stands. So both are asked, too, of how little they leave in the part of the time that they explain best
+(`left_in_part`): the true one leaves noise there.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +19,8 @@ from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
-from exoid.measurement.reading.conventions import combined_map, conventions
+from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
+from exoid.measurement.reading.conventions import Map
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_spatial, parents
@@ -35,6 +42,8 @@ STOP = (0.1, 0.9)
 """Quantiles of an angle beyond which something may push back."""
 ROWS = 600
 """Samples of all recordings together."""
+WINDOW = 0.12
+"""s, of a window of the part of the time that is explained best: a swing has several."""
 
 
 def smoothed_groups(
@@ -45,19 +54,10 @@ def smoothed_groups(
     """
     groups: dict[object, list[Smooth]] = {}
     for recording in recordings:
-        motion = smooth(recording)
-        if motion is not None:
+        if (motion := smooth(recording)) is not None:
             of = recording.payloads, motion.elsewhere
             groups.setdefault(of, []).append(replace(motion, weighs=weighs, meant=forces))
     return list(groups.values())
-
-
-def undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
-    """Return `motion` as it was before the conventions `names` were taken into account."""
-    to = combined_map(conventions(names, motion.joints), motion.joints)
-    back = np.linalg.inv(to.angle).T
-    q, tau = to.undone(motion.q, motion.tau)
-    return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau, elsewhere=False)
 
 
 def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis], most: float = np.inf) -> Float:
@@ -65,13 +65,12 @@ def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypot
 
     Of readings that leave more than `most` a lower bound may be returned instead: that of free least squares.
     """
-    rows = _rows(sets)
+    rows, out = _rows(sets), np.zeros(len(kinds))
     alike: dict[bytes, list[int]] = {}
     for k, kind in enumerate(kinds):
         alike.setdefault(np.array([*kind.map.angle.flat, *kind.map.zero, kind.sums]).tobytes(), []).append(k)
-    out = np.zeros(len(kinds))
     for places in alike.values():
-        sums = [_sums(part, kinds[places[0]]) for part in rows]
+        sums = [_sums(*part, kinds[places[0]]) for part in rows]
         out[places] = shares_left(sums, np.stack([kinds[k].map.torque for k in places]), most)
     return out
 
@@ -80,13 +79,18 @@ def sums_as_they_stand(sets: Sequence[Sequence[Smooth]], delays: Sequence[float]
     """Return the sums of every set, read as it stands, of torques that are late by each of `delays` in s, without
     stops: what is left of a machine that fits decides, and these explain some of it.
     """
-    return [_sums(part, hypothesis((), part.motion.joints), stops=False) for part in _rows(sets, delays)]
+    return [_sums(*part, hypothesis((), part[0].joints), stops=False) for part in _rows(sets, delays)]
+
+
+def left_if_late(sets: Sequence[Sequence[Smooth]], delays: Sequence[float], most: float = np.inf) -> Float:
+    """Return the share left (D,) of torques that are late by each of `delays` (D,) in s, otherwise read as they stand;
+    beyond `most` it may be a lower bound.
+    """
+    return shares_left(sums_as_they_stand(sets, delays), np.eye(len(sets[0][0].joints))[None], most)
 
 
 def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
-    """Return a mask of the torques (J,) that vary by next to nothing beside their neighbours': they say not whose they
-    are.
-    """
+    """Mask (J,) of the torques that vary by next to nothing beside their neighbours': they say not whose they are."""
     joints = sets[0][0].joints
     power = np.sum([m.tau[m.keep].var(axis=0) for group in sets for m in group], axis=0)
     return np.asarray(power < QUIET**2 * np.where(_near(joints), power, 0.0).max(axis=1))
@@ -101,56 +105,41 @@ def _near(joints: Sequence[Joint]) -> NDArray[np.bool_]:
     return near
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """A few samples of recordings, joined: their `motion`, the `share` (K, N) of each in the mean of torque k, zero
-    where its joint stands or nothing was measured, and the torques `tau` (K, D, N) around that, read with each of D
+def _rows(sets: Sequence[Sequence[Smooth]], delays: Sequence[float] = (0.0,)) -> list[tuple[Smooth, Float, Float]]:
+    """A few samples of each set's recordings, joined: their motion, the share (K, N) of each in the mean of torque k,
+    zero where its joint stands or nothing was measured, and the torques (K, D, N) around that, read with each of D
     delays.
     """
-
-    motion: Smooth
-    share: Float
-    tau: Float
-
-
-def _rows(sets: Sequence[Sequence[Smooth]], delays: Sequence[float] = (0.0,)) -> list[_Rows]:
     thin = max(1, sum(len(range(len(m.q))[m.keep]) for group in sets for m in group) // ROWS)
-    return [_joined(group, thin, delays) for group in sets]
+    return [_rows_of(group, thin, delays) for group in sets]
 
 
-def _joined(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> _Rows:
+def _rows_of(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> tuple[Smooth, Float, Float]:
     joints = group[0].joints
     reach, kept, seen, tau = np.array([joint.reach for joint in joints]), [], [], []
     for motion in group:
         keep = np.arange(len(motion.q))[motion.keep][::thin]
-        tau.append(np.stack([_between(motion.tau.T, keep, delay / motion.step) for delay in delays], axis=1))
+        late = np.array(delays)[:, None] / motion.step
+        before, after = (motion.tau.T[:, keep + step.astype(int)] for step in (np.floor(late), np.ceil(late)))
+        tau.append(before + (late - np.floor(late)) * (after - before))
         counts = motion.measured[keep, None] & (motion.q[keep].std(axis=0) > STANDS * reach)
         # Small numbers of the links choose the reading in space, and what sticks would drown them.
         seen.append(counts & (np.abs(motion.dq[keep]) > SLOW * reach) if is_spatial(joints) else counts)
         kept.append(keep)
 
-    def joined(values: Iterable[Float]) -> Float:
-        return np.concatenate([value[keep] for value, keep in zip(values, kept, strict=True)])
+    def chosen(values: Sequence[Float | None]) -> Any:
+        """Rows of all recordings that are kept; None where one recording has no values."""
+        pairs = [(value, keep) for value, keep in zip(values, kept, strict=True) if value is not None]
+        return np.concatenate([value[keep] for value, keep in pairs]) if len(pairs) == len(kept) else None
 
-    q, dq, ddq = (joined(getattr(motion, name) for motion in group) for name in ("q", "dq", "ddq"))
-    bases = [motion.base for motion in group if motion.base is not None]
-    shared = [name for name in group[0].forces if all(name in motion.forces for motion in group)]
-    forces = {name: joined(motion.forces[name] for motion in group) for name in shared}
-    motion = replace(
-        group[0], q=q, dq=dq, ddq=ddq, base=joined(bases) if len(bases) == len(group) else None, forces=forces
-    )
+    parts = {name: chosen([getattr(motion, name) for motion in group]) for name in ("q", "dq", "ddq", "base")}
+    forces = {name: chosen([motion.forces.get(name) for motion in group]) for name in group[0].forces}
+    shared = {name: force for name, force in forces.items() if force is not None}
     known, torques = np.concatenate(seen).T, np.concatenate(tau, axis=2)
     share = known / np.maximum(known.sum(axis=1, keepdims=True), 1)
     torques -= torques @ share[:, :, None]  # constant offsets are nobody's sign
     torques *= known[:, None]
-    return _Rows(motion, share, torques)
-
-
-def _between(values: Float, keep: NDArray[np.int_], late: float) -> Float:
-    """Return `values` (K, N) at the samples `keep`, so many samples later."""
-    whole = math.floor(late)
-    before, after = (np.take(values, keep + step, axis=1) for step in (whole, math.ceil(late)))
-    return np.asarray(before + (late - whole) * (after - before))
+    return replace(group[0], **parts, forces=shared), share, torques
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,41 +157,40 @@ class Sums:
     either: int = 0
 
 
-def _sums(rows: _Rows, kind: ConventionHypothesis, stops: bool = True) -> Sums:
-    motion, turn = rows.motion, kind.map.angle.T
-    q, dq, ddq = motion.q @ turn + kind.map.zero, motion.dq @ turn, motion.ddq @ turn
-    read = replace(motion, q=q, dq=dq, ddq=ddq, elsewhere=kind.sums or motion.elsewhere)
+def _sums(motion: Smooth, shares: Float, tau: Float, kind: ConventionHypothesis, stops: bool = True) -> Sums:
+    read = replace(_turned(motion, kind.map), elsewhere=kind.sums or motion.elsewhere)
     y = machine_columns(read)
-    y = np.concatenate([y, _stops(q)], axis=2) if stops else y
+    y = np.concatenate([y, _stops(read.q)], axis=2) if stops else y
     joints, count, size = y.shape
     flat = y.transpose(1, 0, 2).reshape(count, -1)
-    grams: dict[bytes, Float] = {}  # most often all joints move
-    for share in rows.share:
-        if share.tobytes() in grams:
-            continue
+
+    def gram(share: Float) -> Float:
         parts = flat - share @ flat
         parts[share == 0.0] = 0.0
-        single = parts.reshape(count, joints, size).swapaxes(0, 1)
-        grams[share.tobytes()] = (
-            single.swapaxes(1, 2) @ single if is_spatial(read.joints)
-            else (parts.T @ parts).reshape(joints, size, joints, size).transpose(0, 2, 1, 3)
-        )  # fmt: skip
-    gram = np.array([grams[share.tobytes()] for share in rows.share])
-    slope = (rows.tau @ flat).reshape(*rows.tau.shape[:2], joints, size)
-    return Sums(gram, slope, np.sum(rows.tau**2, axis=2), _near(read.joints), either_sign(read))
+        if is_spatial(read.joints):
+            alone = parts.reshape(count, joints, size).swapaxes(0, 1)
+            return alone.swapaxes(1, 2) @ alone
+        return (parts.T @ parts).reshape(joints, size, joints, size).transpose(0, 2, 1, 3)
+
+    several, which = np.unique(shares, axis=0, return_inverse=True)  # most often all joints move
+    grams = np.array([gram(share) for share in several])[which.ravel()]
+    slope = (tau @ flat).reshape(*tau.shape[:2], joints, size)
+    return Sums(grams, slope, np.sum(tau**2, axis=2), _near(read.joints), either_sign(read))
+
+
+def _turned(motion: Smooth, to: Map) -> Smooth:
+    """Return the `motion` with its angles read in another way."""
+    turn = to.angle.T
+    return replace(motion, q=motion.q @ turn + to.zero, dq=motion.dq @ turn, ddq=motion.ddq @ turn)
 
 
 def _stops(q: Float) -> Float:
-    """Return columns (J, K, 2 J) of what pushes back near the ends of each joint's range: stops, tendons, straps.
-
-    Without them a machine that runs into its stop would look like one that is read wrongly.
+    """Return columns (J, K, 2 J) of what pushes back near the ends of each joint's range (stops, tendons, straps):
+    without them a machine that runs into its stop would look like one that is read wrongly.
     """
-    joints = q.shape[1]
-    out = np.zeros((joints, len(q), 2 * joints))
-    for joint in range(joints):
-        low, high = np.quantile(q[:, joint], STOP)
-        out[joint, :, 2 * joint] = np.maximum(q[:, joint] - high, 0.0)
-        out[joint, :, 2 * joint + 1] = np.minimum(q[:, joint] - low, 0.0)
+    low, high = np.quantile(q, STOP, axis=0)
+    out, each = np.zeros((q.shape[1], len(q), 2 * q.shape[1])), np.arange(q.shape[1])
+    out[each, :, 2 * each], out[each, :, 2 * each + 1] = np.maximum(q - high, 0.0).T, np.minimum(q - low, 0.0).T
     return out
 
 
@@ -218,9 +206,8 @@ def _factor(scaled: Float) -> Float:
 
 def shares_left(groups: Sequence[Sums], torques: Float, most: float = np.inf) -> Float:
     """Return for each torque map (M, J, J), or of a single one for each delay, the share of the power left, each group
-    fitted on its own; beyond `most` it may be a lower bound.
-
-    What is left counts in the torques as they were recorded, so that no reading gains by mixing them.
+    fitted on its own; beyond `most` it may be a lower bound. What is left counts in the torques as they were recorded,
+    so that no reading gains by mixing them.
     """
     power = np.sum([s.power.T for s in groups], axis=0)
     largest = np.where(groups[0].near, power[:, None], 0.0).max(axis=2)
@@ -230,8 +217,7 @@ def shares_left(groups: Sequence[Sums], torques: Float, most: float = np.inf) ->
     weighted = weight[:, :, None] * back
     squares = weighted[:, :, :, None] * back[:, :, None]
     alone = np.diagonal(squares, axis1=2, axis2=3)
-    ready = []
-    bound = np.zeros(len(weighted))
+    ready, bound = [], np.zeros(len(weighted))
     for s in groups:
         gram = np.tensordot(squares, s.gram, 3) if s.gram.ndim == 5 else np.tensordot(alone, s.gram, 2)
         slope = np.sum(weighted[:, :, :, None] * s.slope.swapaxes(0, 1), axis=(1, 2))
@@ -250,3 +236,33 @@ def shares_left(groups: Sequence[Sums], torques: Float, most: float = np.inf) ->
             short = lower[m].T @ non_negative(gram[m], slope[m], either=either) - side[m]
             bound[m] += float(short @ short)
     return bound
+
+
+def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis) -> float:
+    """Return the share of the torques' power that a rough machine leaves in the part of the time that it explains best
+    if the channels are read so; NaN where there are too few windows.
+    """
+    scale = np.sqrt(np.mean([m.tau.var(axis=0) for group in sets for m in group], axis=0))
+    left, count = 0.0, 0
+
+    def solve(grams: Float, slopes: Float) -> Float:
+        pairs = zip(grams, slopes, strict=True)
+        return np.array([non_negative(*pair, either=len(scale)) for pair in pairs])  # offsets of either sign
+
+    for group in sets:
+        windows = joined([_windows(motion, reading, scale) for motion in group])
+        if (best := trimmed(windows, solve)) is not None:
+            left += float(windows.losses(best[0][None])[0, best[1]].sum())
+            count += int(best[1].sum())
+    return left / count if count else np.nan
+
+
+def _windows(motion: Smooth, reading: ConventionHypothesis, scale: Float) -> Windows:
+    """Return the windows of a motion read in another way, in its own torques: no reading gains by mixing them."""
+    rows, back = slice(motion.keep.start, motion.keep.stop), np.linalg.inv(reading.map.torque)
+    offsets = np.repeat(np.eye(len(back))[:, None], len(motion.q), axis=1)
+    columns = np.concatenate([offsets, machine_columns(_turned(motion, reading.map))], axis=2)[:, rows]
+    columns = np.tensordot(back, columns, 1) / np.maximum(scale, 1e-12)[:, None, None]
+    tau = ((motion.tau - motion.tau.mean(axis=0))[rows] / np.maximum(scale, 1e-12)).T
+    seen = np.broadcast_to(motion.measured[rows], tau.shape)
+    return windows_of(columns, tau, motion.q[rows], motion.dq[rows], seen, max(1, round(WINDOW / motion.step)))

@@ -8,9 +8,8 @@ each link, under the gravity that its model has.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -106,7 +105,10 @@ def _smoothed(recording: Recording) -> Smooth | None:
         base = np.column_stack([base[:, 0], rate, np.gradient(rate, step), base[:, 1:]])
     edge = round(0.5 / step)
     thin = max(1, (even.size - 2 * edge) // ROWS)
-    measured = _measured(even, recording.t[moved & pulled], 1.0 / recording.rate)
+    seen = recording.t[moved & pulled]
+    after = np.clip(np.searchsorted(seen, even, side="right"), 1, seen.size - 1)
+    hole = (seen[after] - seen[after - 1] > HOLE / recording.rate) | (even > seen[-1]) | (even < seen[0])
+    measured = np.asarray(~widen(hole, round(0.5 / CUTOFF / (even[1] - even[0]))))  # half a period away from holes
     signals = {name: filtered(force[:, None], recording.valid)[:, 0] for name, force in recording.forces.items()}
     return Smooth(
         q, np.asarray(dq), np.asarray(np.gradient(dq, step, axis=0)), tau, step, slice(edge, -edge, thin), measured,
@@ -115,68 +117,51 @@ def _smoothed(recording: Recording) -> Smooth | None:
     )  # fmt: skip
 
 
-def _measured(even: Float, t: Float, step: float) -> NDArray[np.bool_]:
-    """Return a mask of the samples `even` (K,) that lie within what was measured at `t` s, every `step`, and half a
-    period of the cut-off away from holes.
-    """
-    after = np.clip(np.searchsorted(t, even, side="right"), 1, t.size - 1)
-    hole = (t[after] - t[after - 1] > HOLE * step) | (even > t[-1]) | (even < t[0])
-    return np.asarray(~widen(hole, round(0.5 / CUTOFF / (even[1] - even[0]))))
-
-
-def pushed_columns(motion: Smooth) -> Float:
-    """Return the columns (J, K, F) of measured forces: what each does at its link's upper joint, and what per metre
-    along the link; neither gain nor place can be negative.
-    """
-    meant = usual_forces(tuple(motion.forces), motion.joints) if motion.meant is None else motion.meant
-    base = STILL if motion.base is None else BaseMotion(*motion.base.T)
-    out = []
-    for force in meant:
-        if not all(name in motion.forces for name in force.columns):
-            continue
-        signals = force.sign * np.column_stack([motion.forces[name] for name in force.columns])
-        origin, unit = (pushed_torques(motion.joints, motion.q, force, at, signals, base) for at in (0.0, 1.0))
-        out += [part for part in (origin, unit - origin) if part.any()]
-    return np.stack(out, axis=2).swapaxes(0, 1) if out else np.zeros((motion.q.shape[1], len(motion.q), 0))
-
-
 def machine_columns(motion: Smooth) -> Float:
     """Return the columns (J, K, P) of a machine: links, their weights, friction, rotors, and measured forces.
 
     A weight has a number of its own, since the scale of gravity need not be known. Where there is none, and where a
     joint slides, a spring may be all that pulls: moved at one frequency, it would be the mass of a force with the
-    other sign. In space, where far less is left, so it is everywhere.
-    """
-    joints, q, dq, spatial = motion.joints, motion.q, motion.dq, is_spatial(motion.joints)
-    links = _in_space(motion) if spatial else _in_a_plane(motion)
-    found = [np.zeros((len(joints), len(q), len(links)))]
-    for number, k in product(range(len(links)), range(len(joints))):
-        found[0][k, :, number] = links[number][k]
-    widths = (TURNS,) if is_leg(joints) and motion.base is None else (TURNS, SHARPLY)
-    for k, (joint, above) in enumerate(zip(joints, parents(joints), strict=True)):
-        own = [*(np.tanh(dq[:, k] / (width * joint.reach)) for width in widths), dq[:, k]]
-        own += [motion.ddq[:, k]] if above is not None else []
-        own += [] if joint.turns and motion.weighs and not spatial else [q[:, k] - q[:, k].mean()]
-        found.append(np.zeros((len(joints), len(q), len(own))))
-        found[-1][k] = np.stack(own, axis=1)
-    if motion.elsewhere:
-        found.append(_friction_at_the_base(motion))
-    return np.concatenate([*found, pushed_columns(motion)], axis=2)
-
-
-def _friction_at_the_base(motion: Smooth) -> Float:
-    """Return the columns (J, K, F) of the friction of drives that stand on the base, dry and viscous: at the speed of
+    other sign. In space, where far less is left, so it is everywhere. Drives that stand on the base rub at the speed of
     each further link against it.
     """
-    found = [np.zeros((motion.q.shape[1], len(motion.q), 0))]
-    for k, joint in enumerate(motion.joints):
-        above = [m for m in ancestors(motion.joints, k) if motion.joints[m].turns == joint.turns]
-        if len(above) > 1:
-            speed = motion.dq[:, above].sum(axis=1)
-            own = np.zeros((motion.q.shape[1], len(motion.q), 2))
-            own[above] = np.column_stack([np.tanh(speed / (TURNS * joint.reach)), speed])
-            found.append(own)
-    return np.concatenate(found, axis=2)
+    joints, q, dq, spatial = motion.joints, motion.q, motion.dq, is_spatial(motion.joints)
+    links: Sequence[Sequence[Any]]
+    if spatial:  # what a motion shows of its links
+        wanted = [(parameter.link, parameter.kind) for parameter in base_parameters(joints, _pull(motion))]
+        links = link_columns(joints, _pull(motion), list(q.T), list(dq.T), list(motion.ddq.T), np, wanted)
+    else:
+        links = _in_a_plane(motion)
+    columns: list[dict[int, Any]] = [dict(enumerate(row)) for row in links]
+    widths = (TURNS,) if is_leg(joints) and motion.base is None else (TURNS, SHARPLY)
+    for k, (joint, above) in enumerate(zip(joints, parents(joints), strict=True)):
+        columns += [{k: np.tanh(dq[:, k] / (width * joint.reach))} for width in widths] + [{k: dq[:, k]}]
+        columns += [{k: motion.ddq[:, k]}] if above is not None else []
+        columns += [] if joint.turns and motion.weighs and not spatial else [{k: q[:, k] - q[:, k].mean()}]
+    for k, joint in enumerate(joints if motion.elsewhere else ()):
+        along = [m for m in ancestors(joints, k) if joints[m].turns == joint.turns]
+        if len(along) > 1:
+            speed = dq[:, along].sum(axis=1)
+            columns += [dict.fromkeys(along, np.tanh(speed / (TURNS * joint.reach))), dict.fromkeys(along, speed)]
+    columns += [dict(enumerate(part.T)) for part in _pushed(motion)]
+    found = np.zeros((len(joints), len(q), len(columns)))
+    for number, column in enumerate(columns):
+        for k, values in column.items():
+            found[k, :, number] = values
+    return found
+
+
+def _pushed(motion: Smooth) -> Iterator[Float]:
+    """Yield the torques (K, J) of measured forces: what each does at its link's upper joint, and what per metre along
+    the link; neither gain nor place can be negative.
+    """
+    meant = usual_forces(tuple(motion.forces), motion.joints) if motion.meant is None else motion.meant
+    base = STILL if motion.base is None else BaseMotion(*motion.base.T)
+    for force in meant:
+        if all(name in motion.forces for name in force.columns):
+            signals = force.sign * np.column_stack([motion.forces[name] for name in force.columns])
+            origin, unit = (pushed_torques(motion.joints, motion.q, force, at, signals, base) for at in (0.0, 1.0))
+            yield from (part for part in (origin, unit - origin) if part.any())
 
 
 def either_sign(motion: Smooth) -> int:
@@ -193,21 +178,13 @@ def _in_a_plane(motion: Smooth) -> list[Sequence[Any]]:
     weights = link_torques(joints, 1.0, list(q.T), still, still, np, BaseMotion(base.angle)) if motion.weighs else []
     # The mass of a link that turns on another one is as good as one at the end of that.
     massive = [not joint.turns or above is None for joint, above in zip(joints, parents(joints), strict=True)]
+    kinds = [links, weights] if motion.weighs else [links]
     found: list[Sequence[Any]] = [link[kind] for link in links for kind in ("J", "X")]
     found += [weight["X"] for weight in weights]
-    found += [of[k]["m"] for of in (links, weights) if of for k in np.flatnonzero(massive)]
+    found += [of[k]["m"] for of in kinds for k in np.flatnonzero(massive)]
     # Where a link slides, the zero of its position is anybody's, and its first moment of either sign.
     slides = [k for k, joint in enumerate(joints) if not joint.turns]
-    found += [[-x for x in of[k]["X"]] for k in slides for of in (links, weights) if of]
-    return found
-
-
-def _in_space(motion: Smooth) -> list[Sequence[Any]]:
-    """Return the same of a spatial machine, of what a motion shows of its links."""
-    joints, pull = motion.joints, _pull(motion)
-    wanted = [(parameter.link, parameter.kind) for parameter in base_parameters(joints, pull)]
-    found = link_columns(joints, pull, list(motion.q.T), list(motion.dq.T), list(motion.ddq.T), np, wanted)
-    return list(found)
+    return found + [[-x for x in of[k]["X"]] for k in slides for of in kinds]
 
 
 def _pull(motion: Smooth) -> Vector:

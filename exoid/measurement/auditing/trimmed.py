@@ -8,7 +8,7 @@ steps from many starts: Rousseeuw, Van Driessen: Computing LTS regression for la
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,14 +75,13 @@ def windows_of(columns: Float, tau: Float, q: Float, dq: Float, seen: NDArray[np
     y = (cut(np.moveaxis(columns, 2, 0))[whole] * weight[:, None]).reshape(whole.size, columns.shape[2], -1)
     t = (cut(tau)[whole] * weight).reshape(whole.size, -1)
     slope, power = (y @ t[:, :, None])[:, :, 0], np.sum(t**2, axis=1)
-    states = [cut(x.T)[whole].mean(axis=2) for x in (q, dq)]
-    return Windows(y @ y.swapaxes(1, 2), slope, power, states[0], states[1], whole * length)
+    place, speed = (cut(x.T)[whole].mean(axis=2) for x in (q, dq))
+    return Windows(y @ y.swapaxes(1, 2), slope, power, place, speed, whole * length)
 
 
 def joined(parts: list[Windows]) -> Windows:
     """Return the windows of several recordings as one."""
-    names = ("gram", "slope", "power", "q", "dq", "first")
-    return Windows(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+    return Windows(*(np.concatenate([getattr(part, entry.name) for part in parts]) for entry in fields(Windows)))
 
 
 def trimmed(windows: Windows, solve: Solver) -> tuple[Float, Mask] | None:
@@ -96,17 +95,16 @@ def trimmed(windows: Windows, solve: Solver) -> tuple[Float, Mask] | None:
     def steps(chosen: Mask, times: int) -> tuple[Float, Mask, Float]:
         """Squares left (S,) after so many steps, the windows (S, M) and the numbers (S, P)."""
         for _ in range(times):
-            x = windows.solved(chosen, solve)
-            losses = windows.losses(x)
+            losses = windows.losses(x := windows.solved(chosen, solve))
             before, chosen = chosen, _first(losses, most)
             if np.array_equal(before, chosen):
                 break
         return np.sum(losses, axis=1, where=chosen), chosen, x
 
+    scale = float(windows.power.sum())
     left, chosen, _ = steps(_starts(windows, most), STEPS)
-    best = order_of(left, float(windows.power.sum()))[:REFINED]
-    left, chosen, x = steps(chosen[best], MOST)
-    k = index_of_least(left, float(windows.power.sum()))
+    left, chosen, x = steps(chosen[order_of(left, scale)[:REFINED]], MOST)
+    k = index_of_least(left, scale)
     return x[k], chosen[k]
 
 

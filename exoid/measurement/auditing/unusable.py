@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.measurement.auditing.channels import Channel, channels, place
-from exoid.measurement.auditing.checks import frozen, saturated
+from exoid.measurement.auditing.checks.frozen import frozen_stretches
 from exoid.measurement.auditing.checks.motion import NONE
+from exoid.measurement.auditing.checks.saturated import saturated_stretches
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
@@ -40,37 +41,23 @@ def without_rounding(recording: Recording) -> Recording:
 
 def mask_unusable(recording: Recording) -> Recording:
     """Return `recording` without the samples of channels that are certainly frozen or at their end of scale."""
-    valid = {"q": np.array(recording.angle_valid), "tau": np.array(recording.torque_valid)}
+    angles, torques = np.array(recording.angle_valid), np.array(recording.torque_valid)
     findings: list[Finding] = []
-    for channel, rows, certain in frozen.frozen_stretches(recording):
+
+    def mask(channel: Channel, rows: NDArray[np.int64], found: Finding, consequence: str, confidence: str) -> None:
+        """Mark `rows` of a channel as not measured; of a force the torques of all joints, which it was to explain."""
+        joint = slice(None) if channel.outside else recording.joints.index(channel.joint)
+        (angles if channel.name.startswith("q") else torques)[rows, joint] = False
+        found = replace(found, what=f"{found.what}; they are masked", remedy=found.remedy.partition(";")[0])
+        findings.append(replace(found, severity="repaired", consequence=consequence, confidence=confidence))
+
+    for channel, rows, found, certain in frozen_stretches(recording):
         if certain:
-            _hide(valid, channel, rows)
-            found = frozen.frozen_finding(recording, channel, rows)
-            findings.append(_masked(found, "none: they do not enter the fit", "certain"))
-    for channel, level, rows in saturated.saturated_stretches(recording):
-        _hide(valid, channel, rows)
-        found = saturated.saturated_finding(recording, channel, level, rows)
+            mask(channel, rows, found, "none: they do not enter the fit", "certain")
+    for channel, rows, found in saturated_stretches(recording):
         what = "what happened at full scale is not known and does not enter the fit"
-        findings.append(_masked(found, what, found.confidence))
-    kept = valid["q"].all(axis=1) & valid["tau"].all(axis=1)
+        mask(channel, rows, found, what, found.confidence)
+    kept = angles.all(axis=1) & torques.all(axis=1)
     if not findings or kept.sum() < (1.0 - MOST_MASKED) * recording.complete.sum():
         return recording
-    findings = [*recording.findings, *findings]
-    return replace(recording, angle_valid=valid["q"], torque_valid=valid["tau"], findings=tuple(findings))
-
-
-def _hide(valid: dict[str, NDArray[np.bool_]], channel: Channel, rows: NDArray[np.int64]) -> None:
-    """Mark `rows` of a channel as not measured; of a force the torques of all joints, which it was to explain."""
-    if channel.outside:
-        valid["tau"][rows] = False
-        return
-    quantity = channel.name.rstrip("0123456789")
-    valid[quantity][rows, int(channel.name.removeprefix(quantity)) - 1] = False
-
-
-def _masked(found: Finding, consequence: str, confidence: str) -> Finding:
-    """Return a finding on rows that have been left out of the fit."""
-    what, remedy = f"{found.what}; they are masked", found.remedy.partition(";")[0]
-    return replace(
-        found, severity="repaired", what=what, remedy=remedy, consequence=consequence, confidence=confidence
-    )
+    return replace(recording, angle_valid=angles, torque_valid=torques, findings=(*recording.findings, *findings))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.measurement.auditing.convention import check_conventions
-from exoid.measurement.auditing.encoder_zeros import counted_joints
+from exoid.measurement.auditing.convention import check_conventions, counted_joints
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg

@@ -7,7 +7,7 @@ import numpy as np
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.measurement.auditing.channels import place
-from exoid.measurement.auditing.power_left import shares_left, smoothed_groups, sums_as_they_stand
+from exoid.measurement.auditing.power_left import left_if_late, smoothed_groups, sums_as_they_stand
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
@@ -21,19 +21,16 @@ FITS: Threshold = 0.2
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Note a shift of 5 ms or more under which a rough pendulum leaves at least 15 % less of the torque.
-
-    Only a hint, of severity "info": an effect the model lacks can look like a delay, and the catalogue's
-    `time_delay` is tested on unseen motion.
+    """Note a shift of 5 ms or more under which a rough pendulum leaves at least 15 % less of the torque: only a hint,
+    since an effect the model lacks can look like a delay, and the catalogue's `time_delay` is tested on unseen motion.
     """
     sets = smoothed_groups([recording]) if is_leg(recording.joints) else []
-    sums, as_it_stands = sums_as_they_stand(sets), np.eye(2)[None]
-    if not sums or not sums[0].power.all():
+    if not sets or not sums_as_they_stand(sets)[0].power.all():
         return []
-    now = float(shares_left(sums, as_it_stands)[0])
+    now = float(left_if_late(sets, [0.0])[0])
     if now > FITS or now == 0.0:
         return []
-    left = shares_left(sums_as_they_stand(sets, TRIED.tolist()), as_it_stands, (1.0 - GAIN) * now)
+    left = left_if_late(sets, TRIED.tolist(), (1.0 - GAIN) * now)
     best = index_of_least(left, 1.0)
     delay, gain = float(TRIED[best]), 1.0 - float(left[best]) / now
     if gain < GAIN or best in (0, TRIED.size - 1):

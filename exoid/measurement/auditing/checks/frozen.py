@@ -33,13 +33,14 @@ SMOOTHED = 0.1
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Warn of stretches of one and the same value that the channel leaves with a jump, or that noise
-    excludes."""
-    return [frozen_finding(recording, channel, rows) for channel, rows, _ in frozen_stretches(recording)]
+    """Warn of stretches of one and the same value that the channel leaves with a jump, or that noise excludes."""
+    return [found for _, _, found, _ in frozen_stretches(recording)]
 
 
-def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], bool]]:
-    """Yield channel, indices of the recording where it is frozen, and whether that is certain."""
+def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], Finding, bool]]:
+    """Yield channel, indices of the recording where it is frozen, the finding on it, and whether it is certain."""
+    remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"
+    consequence, machine = "the rows pull every parameter of this joint", machine_word(recording.joints)
     driven = _still_while_driven(recording)
     for channel in channels(recording, "q", "tau", FORCE):
         torque = not channel.name.startswith("q")
@@ -49,31 +50,21 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
         known = np.concatenate(sure)
         for rows, certain in ((known, True), (np.setdiff1d(np.concatenate(likely), known), False)):
             if rows.size:
-                yield channel, rows, certain
-
-
-def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64]) -> Finding:
-    """Return the finding about `rows` in which a channel is frozen."""
-    what = f"the {channel.label} is frozen in {rows.size} rows while the {machine_word(recording.joints)} moves"
-    where, share = place(recording, channel.name, rows), rows.size / len(recording)
-    remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"
-    consequence = "the rows pull every parameter of this joint"
-    return Finding("frozen", "warning", what, where, share, 0.0, remedy, consequence, "likely")
+                what = f"the {channel.label} is frozen in {rows.size} rows while the {machine} moves"
+                where, share = place(recording, channel.name, rows), rows.size / len(recording)
+                found = Finding("frozen", "warning", what, where, share, 0.0, remedy, consequence, "likely")
+                yield channel, rows, found, certain
 
 
 def _stretches(channel: Channel, recording: Recording) -> list[tuple[int, int]]:
-    """Return first and last of the values of each long stretch of one value.
-
-    One that is held at its extreme is saturation or a stop.
-    """
+    """First and last of the values of each long stretch of one value but an extreme: that is saturation, or a stop."""
     values, at = channel.values, channel.at
-    step = np.diff(values)
-    if step.size < 20 or np.ptp(values) == 0.0:
+    if values.size < 21 or np.ptp(values) == 0.0:
         return []
     ends = (values.max(), values.min())
     return [
         (int(a), int(b) + 1)
-        for a, b in zip(*runs(step == 0), strict=True)
+        for a, b in zip(*runs(np.diff(values) == 0), strict=True)
         if b - a >= LEAST_ROWS and recording.t[at[b + 1]] - recording.t[at[a]] >= LEAST_SECONDS
         and values[a] not in ends and not (channel.outside and values[a] == 0.0)  # a plate that nobody stands on
     ]  # fmt: skip
@@ -89,8 +80,7 @@ def _frozen_torque(channel: Channel, recording: Recording) -> Iterator[tuple[int
     stays while the leg moves. Likely is one that leaves the stretch with a jump.
     """
     step = np.diff(channel.values)
-    first_of, last_of = runs(step == 0)
-    size = last_of - first_of + 1
+    size = np.diff(runs(step == 0), axis=0)[0] + 1
     short = size[size <= LEAST_ROWS].sum()
     # Single repeats are usual where the steps of the sensor are coarser than its noise; long ones then say nothing.
     if short > 0.1 * max(1, step.size - size.sum() + short):
@@ -102,10 +92,8 @@ def _frozen_torque(channel: Channel, recording: Recording) -> Iterator[tuple[int
 
 
 def _frozen_angle(channel: Channel, recording: Recording) -> Iterator[tuple[int, int, bool]]:
-    """Yield the same of an angle.
-
-    No joint jumps, nor stops and starts within a sample: certain is one that jumps at the end, or both stops and starts
-    so; likely one that does either, where the recording begins or ends with the stretch, say.
+    """Yield the same of an angle. No joint jumps, nor stops and starts within a sample: certain is one that jumps at
+    the end, or both stops and starts so; likely one that does either, where the recording begins or ends so, say.
     """
     values, step = channel.values, np.diff(channel.values)
     width = max(2, round(EDGE * recording.rate))
@@ -124,21 +112,19 @@ def _frozen_angle(channel: Channel, recording: Recording) -> Iterator[tuple[int,
 
 def _still_while_driven(recording: Recording) -> NDArray[np.int64]:
     """Return the indices of the recording where for long no angle changes and every torque goes on as in motion."""
-    at = np.flatnonzero(recording.valid)
-    first, last = runs(np.all(np.diff(recording.q[at], axis=0) == 0.0, axis=1))
+    at, count = np.flatnonzero(recording.valid), max(1, round(SMOOTHED * recording.rate))
     t = recording.t[at]
-    stretches = [(a, b + 1) for a, b in zip(first, last, strict=True) if t[b + 1] - t[a] >= LONG]
-    if not stretches:
-        return at[:0]
-    count = max(1, round(SMOOTHED * recording.rate))
+    first, last = runs(np.all(np.diff(recording.q[at], axis=0) == 0.0, axis=1))
+    long = [(a, b + 1) for a, b in zip(first, last, strict=True) if t[b + 1] - t[a] >= LONG]
     means = recording.tau[at[: len(at) // count * count]].reshape(-1, count, recording.tau.shape[1]).mean(axis=1)
-    held = np.zeros(len(means), dtype=bool)
-    for a, b in stretches:
-        held[-(-a // count) : b // count] = True
-    if held.all():
+    held, rows = np.zeros(len(means), dtype=bool), [slice(-(-a // count), b // count) for a, b in long]
+    for part in rows:
+        held[part] = True
+    if held.all() or not held.any():
         return at[:0]
     least = GOES_ON * means[~held].std(axis=0)
-    parts = [means[-(-a // count) : b // count] for a, b in stretches]
-    goes_on = [len(part) > 0 and bool(np.all(part.std(axis=0) > least)) for part in parts]
-    found = [np.arange(at[a], at[b] + 1) for (a, b), driven in zip(stretches, goes_on, strict=True) if driven]
-    return np.concatenate(found) if found else at[:0]
+    stretches = zip(long, (means[part] for part in rows), strict=True)
+    driven = [
+        np.arange(at[a], at[b] + 1) for (a, b), part in stretches if part.size and np.all(part.std(axis=0) > least)
+    ]
+    return np.concatenate([at[:0], *driven])

@@ -18,8 +18,7 @@ LONG: Threshold = 0.1
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Count holes between usable rows of more than 2.5 steps; warn when one lasts over 0.1 s or 1 % is
-    missing."""
+    """Count holes between usable rows of more than 2.5 steps; warn when one lasts over 0.1 s or 1 % is missing."""
     at = np.flatnonzero(recording.valid)
     if at.size < 10:
         return []
@@ -28,8 +27,7 @@ def check(recording: Recording) -> list[Finding]:
     wide = steps > WIDE * usual
     if not wide.any():
         return []
-    missing = float(np.sum(steps[wide] / usual - 1.0))
-    longest = float(steps[wide].max())
+    missing, longest = float(np.sum(steps[wide] / usual - 1.0)), float(steps[wide].max())
     share = missing / (missing + at.size)
     calm = longest < LONG and share < MISSING
     what = f"{int(wide.sum())} gaps with about {missing:.0f} samples missing ({share:.1%}), the longest {longest:.3g} s"

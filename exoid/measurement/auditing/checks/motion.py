@@ -19,12 +19,11 @@ NONE: Threshold = 1e-9
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Refuse when no joint moves or no torque changes; warn when one joint stands or one torque is
-    constant."""
+    """Refuse when no joint moves or no torque changes; warn when one joint stands or one torque is constant."""
     if recording.valid.sum() < 10:
         return []
     angles, torques = list(channels(recording, "q")), list(channels(recording, "tau"))
-    reach = [float(np.ptp(np.percentile(channel.some, [2, 98]))) for channel in angles]
+    reach = [channel.span(2) for channel in angles]
     turned = [moved / channel.joint.reach for channel, moved in zip(angles, reach, strict=True)]
     where = place(recording)
     found = []

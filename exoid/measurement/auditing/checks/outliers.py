@@ -16,10 +16,8 @@ NOTED: Threshold = 0.02
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Count the torques that are far off, most of which preparation hides as spikes.
-
-    Warns where they are over 12 %, and where much of the torque is in them: dense ones are then the chatter of a drive,
-    and stay.
+    """Count the torques that are far off, most of which preparation hides as spikes; warn where they are over 12 %, and
+    where much of the torque is in them: dense ones are then the chatter of a drive, and stay.
     """
     found = []
     for j, channel in enumerate(channels(recording, "tau")):
@@ -40,11 +38,9 @@ def check(recording: Recording) -> list[Finding]:
             severity, value, limit = "warning", held, CARRIED
             what += f", and {value:.0%} of the slow torque lies in them"
             remedy = "log the torque as the drive filters it, or faster than the controller changes it"
-            kept = not recording.spikes[:, j].any()
-            consequence = (
-                "kept as a drive's chatter: its samples are too few to tell the torque well" if kept
-                else "hidden as a sensor's spikes, they leave little to fit where the drive does chatter"
-            )  # fmt: skip
+            consequence = "kept as a drive's chatter: its samples are too few to tell the torque well"
+            if recording.spikes[:, j].any():
+                consequence = "hidden as a sensor's spikes, they leave little to fit where the drive does chatter"
         elif share > DENSE:
             severity, limit = "warning", DENSE
             remedy = "look at the torque sensor and the controller's differentiator"

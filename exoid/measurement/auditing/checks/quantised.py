@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import NOTHING, channels, place, step_of, torque_spans
 from exoid.measurement.finding import Finding
@@ -16,18 +14,15 @@ COARSE: Threshold = 60.0
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Note the grid step of channels with fewer than 500 steps in their range; warn below 60, but for a torque that
-    reads next to nothing beside the others.
-    """
+    """Note the grid of channels with fewer than 500 steps in their range; warn below 60, but for idle torques."""
     found = []
     spans = torque_spans(recording)
     idle = {f"tau{j + 1}" for j, span in enumerate(spans) if span < NOTHING * max(spans)}
     for channel in channels(recording, "q", "tau"):
         step = step_of(channel.some)
-        reach = float(np.ptp(np.percentile(channel.some, [1, 99]))) if channel.values.size else 0.0
-        if step == 0.0 or reach == 0.0 or reach / step >= NOTED:
+        if step == 0.0 or not 0.0 < (steps := channel.span(1) / step) < NOTED:
             continue
-        steps, where = reach / step, place(recording, channel.name)
+        where = place(recording, channel.name)
         what = f"the {channel.label} comes in steps of {step:.3g} {channel.unit} ({steps:.0f} steps in its range)"
         severity, limit, remedy, consequence = "info", NOTED, "nothing", "adds noise of about a third of a step"
         if steps < COARSE and channel.name not in idle:

@@ -14,14 +14,12 @@ GOOD: Threshold = 40.0
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Refuse below 10 Hz, warn below 40 Hz: a leg moves at up to a few hertz and accelerations need ten times
-    that."""
+    """Refuse below 10 Hz, warn below 40 Hz."""
     rate = recording.rate
     if rate >= GOOD or len(recording) < 2:
         return []
-    severity = "refused" if rate < LEAST else "warning"
-    what = f"sampled at {rate:.3g} Hz, {'too slow for' if rate < LEAST else 'slow for'} accelerations"
+    severity, slow, limit = ("refused", "too slow", LEAST) if rate < LEAST else ("warning", "slow", GOOD)
+    what = f"sampled at {rate:.3g} Hz, {slow} for accelerations"
     remedy = "sample at 100 Hz or faster; if the time column is not in seconds, say so: --units t=ms"
     consequence = "fast motion is cut off: inertias come out too small"
-    limit = LEAST if rate < LEAST else GOOD
     return [Finding("rate", severity, what, place(recording, "t"), rate, limit, remedy, consequence)]

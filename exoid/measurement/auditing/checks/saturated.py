@@ -24,40 +24,38 @@ angle
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Warn where a channel stays exactly at its largest or smallest value, an angle in stretches of three rows or
-    more."""
-    return [
-        saturated_finding(recording, channel, level, rows) for channel, level, rows in saturated_stretches(recording)
-    ]
+    """Warn where a channel stays exactly at its largest or smallest value, an angle for three rows or more."""
+    return [found for _, _, found in saturated_stretches(recording)]
 
 
-def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, NDArray[np.int64]]]:
-    """Yield channel, value and indices of the recording where the channel lies at its end of scale."""
+def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], Finding]]:
+    """Yield channel, indices of the recording where it lies at its end of scale, and the finding on it."""
+    remedy = "use a wider sensor range or a gentler motion"
+    consequence = "the true values are larger: inertias and friction come out too small"
     for channel in channels(recording, "q", "tau", FORCE):
-        least = max(6, 0.002 * channel.values.size)
-        if not channel.values.size or all(
-            np.count_nonzero(channel.values == end) < least for end in (channel.values.max(), channel.values.min())
-        ):
+        values, angle = channel.values, channel.name.startswith("q")
+        least = max(6, 0.002 * values.size)
+        if not values.size or max(np.sum(values == end) for end in (values.min(), values.max())) < least:
             continue
-        levels, counts = np.unique(channel.values, return_counts=True)
+        levels, counts = np.unique(values, return_counts=True)
         if levels.size < 12:
             continue
-        for level, count, near in (
-            (levels[-1], counts[-1], counts[-7:-1]),
-            (levels[0], counts[0], counts[1:7]),
-        ):
-            first, last = runs(channel.values == level)
+        for level, count, near in ((levels[-1], counts[-1], counts[-7:-1]), (levels[0], counts[0], counts[1:7])):
+            first, last = runs(values == level)
             long = last - first >= 2
-            held = int(np.sum((last - first + 1)[long]))
-            if not channel.name.startswith("q") and count >= 3 * PILE * near.mean():
+            if not angle and count >= 3 * PILE * near.mean():
                 # Noise carries a torque in and out of its end of scale; an angle read on a grid turns round there.
-                long, held = np.ones(first.size, dtype=bool), int(count)
-            if held < least or count < PILE * near.mean() or (channel.outside and level == 0.0):
+                long[:] = True
+            if np.sum((last - first + 1)[long]) < least or count < PILE * near.mean():
                 continue
-            if channel.name.startswith("q") and _comes_to_rest(channel.values, first[long]):
+            if (channel.outside and level == 0.0) or (angle and _comes_to_rest(values, first[long])):
                 continue
-            rows = [channel.at[a : b + 1] for a, b in zip(first[long], last[long], strict=True)]
-            yield channel, float(level), np.concatenate(rows)
+            rows = np.concatenate([channel.at[a : b + 1] for a, b in zip(first[long], last[long], strict=True)])
+            size = f"exactly {level:.4g} {channel.unit} in {rows.size} rows"
+            what, where = f"the {channel.label} stays at {size} (end of scale?)", place(recording, channel.name, rows)
+            share = rows.size / len(recording)
+            found = Finding("saturated", "warning", what, where, share, 0.002, remedy, consequence, "likely")
+            yield channel, rows, found
 
 
 def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
@@ -67,12 +65,3 @@ def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
     entering = steps[first[first > 0] - 1]
     slow = max(RESTING * float(np.median(moving)), 1.5 * step_of(values))
     return not entering.size or bool(np.median(entering) < slow)
-
-
-def saturated_finding(recording: Recording, channel: Channel, level: float, rows: NDArray[np.int64]) -> Finding:
-    """Return the finding about `rows` in which a channel lies at its end of scale."""
-    what = f"the {channel.label} stays at exactly {level:.4g} {channel.unit} in {rows.size} rows (end of scale?)"
-    where, share = place(recording, channel.name, rows), rows.size / len(recording)
-    remedy = "use a wider sensor range or a gentler motion"
-    consequence = "the true values are larger: inertias and friction come out too small"
-    return Finding("saturated", "warning", what, where, share, 0.002, remedy, consequence, "likely")

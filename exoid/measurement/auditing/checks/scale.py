@@ -15,12 +15,12 @@ from exoid.ground.ties import index_of_least, least_of
 from exoid.measurement.auditing.channels import place
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.power_left import Sums, smoothed_groups, sums_as_they_stand
-from exoid.measurement.auditing.rough import Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
 from exoid.symbolic.motion import Float
 
+CONSEQUENCE = "every parameter is wrong"
 TRIED = np.logspace(-3, 3, 37)
 ROUNDING = 1e-24
 """(N·m)², summed: of a joint without a torque."""
@@ -40,33 +40,30 @@ WEAK: Threshold = 0.02
 
 def check(recording: Recording) -> list[Finding]:
     """Warn of torques that fit together only when one of them is multiplied, and of torques too small for any leg."""
-    sets = _of_legs([recording])
+    if not is_leg(recording.joints):
+        return []
+    where, found, sets = place(recording), [], smoothed_groups([recording])
     size = float(sets[0][0].tau.std(axis=0).max()) if sets else WEAK
-    found = _factor(sets, place(recording))
     if size < WEAK:
         what = f"the torques vary by {size:.2g} N·m only: they look like kN·m or currents"
         remedy = "say so with --units tau=kNm, or give torque constant and gear: --units tau=Nm/A*0.1*50"
-        found.insert(0, _finding(place(recording), what, size, WEAK, remedy))
-    return found
+        found.append(Finding("scale", "warning", what, where, size, WEAK, remedy, CONSEQUENCE, "likely"))
+    return found + _factor([recording], where)
 
 
 def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
-    found = _factor(_of_legs(recordings), f"{len(recordings)} recordings together")
+    found = _factor(recordings, f"{len(recordings)} recordings together") if is_leg(recordings[0].joints) else []
     return tuple(item for item in found if item.value is not None and _is_plain(item.value))
-
-
-def _of_legs(recordings: Sequence[Recording]) -> list[list[Smooth]]:
-    return smoothed_groups([recording for recording in recordings if is_leg(recording.joints)])
 
 
 def _is_plain(factor: float) -> bool:
     return bool(abs(np.log(factor)) > np.log(PLAIN))
 
 
-def _factor(sets: Sequence[Sequence[Smooth]], where: str) -> list[Finding]:
+def _factor(recordings: Sequence[Recording], where: str) -> list[Finding]:
     """Findings that a rigid leg wants the knee torque of all motions multiplied by one factor; [] where none does."""
-    sums = [part for part in sums_as_they_stand(sets) if np.all(part.power > ROUNDING)]
+    sums = [part for part in sums_as_they_stand(smoothed_groups(recordings)) if np.all(part.power > ROUNDING)]
     if not sums or (now := _left(sums, 1.0)).sum() < LEAST_GAIN:
         return []
     best = index_of_least([_left(sums, factor).sum() for factor in TRIED], 1.0)
@@ -79,13 +76,11 @@ def _factor(sets: Sequence[Sequence[Smooth]], where: str) -> list[Finding]:
     alone = _is_plain(wanted) and np.any((now > TIMES * least) & (now - least > SHOWN))
     if least.sum() >= GOOD or not (far or alone):
         return []
-    what = (
-        f"hip and knee torque do not belong to one leg: a rigid leg wants the knee torque multiplied by "
-        f"{wanted:.3g}, or the hip torque by {1 / wanted:.3g}; so it leaves {least.mean():.1%} of the torques' "
-        f"variance unexplained, as they stand {now.mean():.0%}"
-    )
+    what = f"hip and knee torque do not belong to one leg: a rigid leg wants the knee torque multiplied by {wanted:.3g}"
+    what += f", or the hip torque by {1 / wanted:.3g}; so it leaves {least.mean():.1%} of the torques' variance "
+    what += f"unexplained, as they stand {now.mean():.0%}"
     remedy = f"check torque constant and gear: --units tau2=Nm*{wanted:.3g} or tau1=Nm*{1 / wanted:.3g}"
-    return [_finding(where, what, wanted, None, remedy)]
+    return [Finding("scale", "warning", what, where, wanted, None, remedy, CONSEQUENCE, "likely")]
 
 
 def _left(sets: Sequence[Sums], factor: float) -> Float:
@@ -98,10 +93,3 @@ def _left(sets: Sequence[Sums], factor: float) -> Float:
         x = non_negative(grams.sum(axis=0), slopes.sum(axis=0))
         left.append(np.maximum(1.0 + x @ grams @ x - 2.0 * slopes @ x, 0.0))
     return np.asarray(np.mean(left, axis=0))
-
-
-def _finding(where: str, what: str, value: float, limit: float | None, remedy: str) -> Finding:
-    return Finding(
-        "scale", "warning", what, where, value, limit, remedy,
-        consequence="every parameter is wrong", confidence="likely",
-    )  # fmt: skip

@@ -29,49 +29,36 @@ LITTLE: Threshold = 0.3
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Warn of angles beyond two turns (degrees?) or very small ones (turns?), and of torques beyond 1000 N·m (mN·m?)
-    or far too small for a leg (kN·m?).
-    """
-    found = _too_small(recording)
-    for channel in channels(recording, "q"):
-        reach = float(np.percentile(np.abs(channel.some), 98)) if channel.values.size else 0.0
-        if not channel.joint.turns:
-            if reach > FAR:
-                what = f"the {channel.label} reaches {reach:.4g} m: it looks like millimetres"
-                found.append(_finding(recording, channel.name, what, reach, FAR, f"--units {channel.name}=mm"))
-        elif reach > TURNS and is_leg(recording.joints):
-            what = f"the {channel.label} reaches {reach:.4g} rad: it looks like degrees"
-            found.append(_finding(recording, channel.name, what, reach, TURNS, "--units q=deg"))
-    for channel in channels(recording, "tau"):
-        usual = float(np.median(np.abs(channel.some))) if channel.values.size else 0.0
-        if usual > STRONG and is_leg(recording.joints):
-            what = f"the {channel.label} is {usual:.4g} N·m in the median: it looks like mN·m"
-            found.append(_finding(recording, channel.name, what, usual, STRONG, "--units tau=mNm"))
-    return found
-
-
-def _too_small(recording: Recording) -> list[Finding]:
-    """Return a finding for every quantity that is smaller in all joints than in any leg: one unit too large was written
-    for both.
-    """
-    if not is_leg(recording.joints):  # other machines come in all sizes
-        return []
+    """Warn of angles that look like degrees or turns, of torques like mN·m or kN·m, and of slides like millimetres."""
+    angles, torques, leg = [*channels(recording, "q")], [*channels(recording, "tau")], is_leg(recording.joints)
     found = []
-    angles, torques = list(channels(recording, "q")), list(channels(recording, "tau"))
-    if min((channel.values.size for channel in (*angles, *torques)), default=0) < 10:
-        return []
-    swing = max(float(np.ptp(np.percentile(channel.some, [2, 98]))) for channel in angles)
-    if 0.0 < swing < LITTLE:
-        what = f"no joint swings further than {swing:.3g} rad: it looks like turns, or there is little motion"
-        found.append(_finding(recording, "q1 and q2", what, swing, LITTLE, "--units q=turns"))
-    size = max(float(np.percentile(np.abs(channel.some), 98)) for channel in torques)
-    if 0.0 < size < WEAK:
-        unit, option = ("MN·m", "MNm") if size < 1e-3 * WEAK else ("kN·m", "kNm")
-        what = f"no torque reaches more than {size:.3g} N·m, which carries no leg: it looks like {unit}"
-        found.append(_finding(recording, "tau1 and tau2", what, size, WEAK, f"--units tau={option}"))
+
+    def add(column: str, what: str, value: float, limit: float, option: str) -> None:
+        where, remedy = place(recording, column), f"say so with {option}, or write the unit into the header"
+        consequence = "every parameter is wrong"
+        found.append(Finding(CHECK, "warning", what, where, value, limit, remedy, consequence, "likely"))
+
+    # Other machines come in all sizes. A leg is small in all joints where one unit too large was written for both.
+    if leg and min(channel.values.size for channel in (*angles, *torques)) >= 10:
+        swing, size = max(channel.span(2) for channel in angles), max(channel.largest for channel in torques)
+        if 0.0 < swing < LITTLE:
+            what = f"no joint swings further than {swing:.3g} rad: it looks like turns, or there is little motion"
+            add("q1 and q2", what, swing, LITTLE, "--units q=turns")
+        if 0.0 < size < WEAK:
+            unit, option = ("MN·m", "MNm") if size < 1e-3 * WEAK else ("kN·m", "kNm")
+            what = f"no torque reaches more than {size:.3g} N·m, which carries no leg: it looks like {unit}"
+            add("tau1 and tau2", what, size, WEAK, f"--units tau={option}")
+    for channel in angles:
+        reach = channel.largest
+        if reach > FAR and not channel.joint.turns:
+            what = f"the {channel.label} reaches {reach:.4g} m: it looks like millimetres"
+            add(channel.name, what, reach, FAR, f"--units {channel.name}=mm")
+        elif reach > TURNS and leg:
+            what = f"the {channel.label} reaches {reach:.4g} rad: it looks like degrees"
+            add(channel.name, what, reach, TURNS, "--units q=deg")
+    for channel in torques:
+        usual = float(np.median(np.abs(channel.some))) if channel.values.size else 0.0
+        if usual > STRONG and leg:
+            what = f"the {channel.label} is {usual:.4g} N·m in the median: it looks like mN·m"
+            add(channel.name, what, usual, STRONG, "--units tau=mNm")
     return found
-
-
-def _finding(recording: Recording, column: str, what: str, value: float, limit: float, option: str) -> Finding:
-    where, remedy = place(recording, column), f"say so with {option}, or write the unit into the header"
-    return Finding(CHECK, "warning", what, where, value, limit, remedy, "every parameter is wrong", "likely")

@@ -33,8 +33,7 @@ def check(recording: Recording) -> list[Finding]:
     for joint, owner in enumerate(recording.joints):
         speed = recording.dq[:, joint]
         travelled = np.r_[0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)][::hop]
-        by_speed = np.diff(travelled)[: usable.size][usable[: travelled.size - 1]]
-        by_angle = np.diff(recording.q[::hop, joint])[: usable.size][usable[: travelled.size - 1]]
+        by_speed, by_angle = (np.diff(way)[usable] for way in (travelled, recording.q[::hop, joint]))
         if by_angle.size < 10 or np.ptp(by_angle) < 1e-3 * owner.reach:
             continue
         slope = float(by_speed @ by_angle / (by_angle @ by_angle))
@@ -42,8 +41,7 @@ def check(recording: Recording) -> list[Finding]:
             continue
         scales = SCALES if owner.turns else SLIDING
         close = [(text, unit) for scale, text, unit in scales if abs(slope / scale - 1.0) < 0.2]
-        angle = WORDS["q"][not owner.turns]
-        what = f"the {owner.name} velocity is {slope:.3g} times the derivative of its {angle}"
+        what = f"the {owner.name} velocity is {slope:.3g} times the derivative of its {WORDS['q'][not owner.turns]}"
         what += "".join(f": {text}" for text, _ in close)
         column, consequence = f"dq{joint + 1}", "none while the velocity is taken from the angle"
         remedy = f"--units {column}={close[0][1]}" if close else f"check the column, or leave {column} out of the file"
