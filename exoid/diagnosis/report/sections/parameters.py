@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.symbolic.wording import number_of
 
 TITLE = "Parameters"
@@ -13,7 +12,7 @@ ORDER = 60
 APPENDIX = True
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the estimates and the findings on their plausibility."""
     fit = material.fit
     if fit is None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 from exoid.diagnosis.evidence.power import Power
-from exoid.diagnosis.report.effects import effect_of
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.diagnosis.report.sections.verdict import title
+from exoid.diagnosis.report.wording import effect_of
 from exoid.symbolic.wording import number_called
 
 TITLE = "What would have shown"
@@ -17,7 +16,7 @@ ORDER = 42
 APPENDIX = True
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return one row per effect, those that these recordings say least about first; None where something was found."""
     found = material.diagnosis
     if found is None or not found.power:

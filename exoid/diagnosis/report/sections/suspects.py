@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from exoid.diagnosis.report.cells import share
-from exoid.diagnosis.report.effects import said_of
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.diagnosis.report.sections.verdict import term, title
 from exoid.diagnosis.report.sections.where import words
+from exoid.diagnosis.report.wording import said_of, share
 from exoid.diagnosis.sureness import meanings_of
 from exoid.ground.text import without_empty
 
@@ -18,7 +17,7 @@ ORDER = 40
 MOST = 10
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the ranking and what is left unexplained."""
     if material.diagnosis is None:
         return None
