@@ -34,9 +34,7 @@ MOVES, HALVINGS = 30, 6
 """Steps to it at most, and how often one that does not help is halved."""
 
 
-def belonging_to(
-    now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, ways: int = WAYS
-) -> OwnNumbers | None:
+def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, ways: int = WAYS) -> OwnNumbers | None:
     """Numbers that belong to recordings, or to a part of them, beside a model, in so many `ways` beside zeros; None
     where none do.
 
@@ -54,7 +52,7 @@ def belonging_to(
         then = search.found(search.regrouped(in_parts.moved(fits, held)))
         if cuts := sharpened(in_parts, then):
             fits = Fits(now, rules, cuts)
-            held = _Search(fits).placed(fits.moved(in_parts, then))
+            held = placed(fits, fits.moved(in_parts, then))
     own = with_numbers(fits, held) if held else None
     for _ in range(MOVED):
         if own is None or not (parts := own.moved):
@@ -67,8 +65,16 @@ def belonging_to(
 
 
 def placed(fits: Fits, state: State) -> State:
-    """Claims that are known to hold, each at the node that fits best."""
-    return _Search(fits).placed(state)
+    """Claims that are known to hold, each at the node that fits best where the fit is weighted for them."""
+    fits.weigh(state)
+    return _placed(fits, state)
+
+
+def _placed(fits: Fits, state: State) -> State:
+    for item in state:
+        others = tuple(other for other in state if other is not item)
+        state = tuple(at_best_node(fits, others, other) if other is item else other for other in state)
+    return state
 
 
 def at_best_node(fits: Fits, rest: State, held: Claimed) -> Claimed:
@@ -103,9 +109,7 @@ class _Search:
         # On little motion what single recordings have looks as real as any effect that is not there.
         little, cut = bool(little_motion(fits.now.prepared, self.rules)), bool(fits.cuts)
         self.claims = [
-            claim
-            for claim in fits.claims
-            if claim.everyone or claim.common or not (little or (cut and claim.whole))
+            claim for claim in fits.claims if claim.everyone or claim.common or not (little or (cut and claim.whole))
         ]
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
@@ -130,7 +134,8 @@ class _Search:
             best = least_of([*alike, *longer], self.fits.weighed_loss, 1.0) if alike or longer else state
             # One number for all may explain as much, and so may the same on another link: a load at a pivot is on both.
             simpler = [least_of(alike, self.fits.weighed_loss, 1.0)] if alike and best not in alike else []
-            simpler += [item for item in longer if item[-1].is_plainer(best[-1])]
+            alike_too = (item for item in longer if item[-1].claim.what == best[-1].claim.what)
+            simpler += [item for item in alike_too if item[-1].count < best[-1].count]
             for simple in simpler:
                 self.fits.weigh(best)
                 if not self.fits.pays(simple, best, self.clear):
@@ -145,7 +150,7 @@ class _Search:
     def settled(self, state: State) -> State:
         """The claims without those that are needless, each at the node that fits best."""
         self.fits.weigh(state)
-        return self._with_middles(self._all_placed(self._pruned(self._at_other_angles(state))))
+        return self._with_middles(_placed(self.fits, self._pruned(self._at_other_angles(state))))
 
     def _at_other_angles(self, state: State) -> State:
         """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
@@ -160,9 +165,10 @@ class _Search:
             return state
         rival = least_of([(*rest, held) for held in turned], self.fits.weighed_loss, 1.0)
         self.fits.weigh(rival)
-        plainer = bool(np.isfinite(self.fits.loss(rival))) and not self.fits.pays(rival, state, self.clear)
-        self.fits.weigh(rival if plainer else state)
-        return rival if plainer else state
+        if np.isfinite(self.fits.loss(rival)) and not self.fits.pays(rival, state, self.clear):
+            state = rival
+        self.fits.weigh(state)
+        return state
 
     def _of_everyone(self, state: State) -> State:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those
@@ -186,17 +192,6 @@ class _Search:
             rest = tuple(other for other in state if other is not item)
             own = item.claim.everyone or item.claim.common or item.claim.whole
             state = state if own else (*rest, self._grown(rest, item))
-        return state
-
-    def placed(self, state: State) -> State:
-        """The same claims, each at the node that fits best."""
-        self.fits.weigh(state)
-        return self._all_placed(state)
-
-    def _all_placed(self, state: State) -> State:
-        for item in state:
-            others = tuple(other for other in state if other is not item)
-            state = tuple(at_best_node(self.fits, others, other) if other is item else other for other in state)
         return state
 
     def _is_the_machines(self, rest: State, held: Claimed) -> bool:
@@ -353,10 +348,10 @@ class _Search:
         recordings what was another number until a change is one from there on.
         """
         if not held.claim.everyone:
-            return self._all_placed(rest)
+            return _placed(self.fits, rest)
         alike = (held.claim.what, held.claim.place)
         turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
-        rivals = [self._all_placed(some) for some in dict.fromkeys((rest, turned))]
+        rivals = [_placed(self.fits, some) for some in dict.fromkeys((rest, turned))]
         return least_of(rivals, self.fits.loss, 1.0)
 
     def _turned(self, held: Claimed) -> Claimed:
