@@ -71,7 +71,7 @@ def grouped(state: State) -> list[tuple[Claimed, Group]]:
 
 
 def of_part(state: State, numbers: Float, j: int) -> list[tuple[Claimed, float]]:
-    """What is held of a part (index), with its number among `numbers` (C,)."""
+    """Claims that hold of a part (index), each with its number among `numbers` (C,)."""
     return [(held, x) for (held, group), x in zip(grouped(state), numbers.tolist(), strict=True) if j in group]
 
 
