@@ -119,8 +119,7 @@ class BeforeAfter:
         granted: list[_Change] = []
         refused = set[str]()
         while len(granted) < 2 * self.most and sum(not g.always for g in granted) < self.most:
-            found = self._next(granted, refused)
-            if found is None:
+            if (found := self._next(granted, refused)) is None:
                 break
             if found.always or self._exceeds_scatter(granted, found):
                 granted.append(found)
@@ -143,10 +142,8 @@ class BeforeAfter:
             if not granted:
                 some = [item for item in self.questions if item.candidate is None or item.name in self.helpful]
                 errors = self._promising(state, some, self.all)
-                whole = total(fits.losses(state))
-                left = [(total(fits.losses((*state, *e.held))), e) for e in errors]
-                told = [e for loss, e in left if loss <= (1.0 - self.rules.worth_telling) * whole]
-                self.old = tuple(e.asked.name for e in told[:1])
+                told = [e.asked.name for e in errors if self._share(state, e) >= self.rules.worth_telling]
+                self.old = tuple(told[:1])
             return None
         least_share = self.rules.half * self._share(state, lead)
         near = [c for c in changes if c.asked is not lead.asked and self._share(state, c) >= least_share]

@@ -227,41 +227,36 @@ class _Search:
         hypothesis, since how late a clock is shows only step by step.
         """
         taken = {held.claim for held in state}
-        if self.many < 2:
-            return []
         free = [item for item in self.claims if not (item.everyone or item.common or item in taken)]
-        nodes = [(claim, node) for claim in free for node in claim.nodes]
-        if not nodes:
+        if self.many < 2 or not free:
             return []
+        nodes = [(claim, node) for claim in free for node in claim.nodes]
         mixed = np.zeros((self.fits.rows[0].shape[2], len(nodes)))
         for c, (claim, node) in enumerate(nodes):
             mixed[self.fits.place[claim], c] = claim.mix(node)
         low, high = np.array([claim.bounds for claim, _ in nodes]).T
         # What one recording has less of all others have more of, where the model's own numbers hold what all have.
         low = np.where([claim.shared for claim, _ in nodes], -high, low)
-        sums, chosen = self.fits.sums(state), self.fits.chosen(state)
-        whole = sums.sum(axis=0)
+        whole = self.fits.sums(state).sum(axis=0)
+        columns = self.fits.grams @ mixed
+        products = np.swapaxes(self.fits.chosen(state), 1, 2)[:, None] @ columns
+        squares = np.sum(mixed * columns, axis=2)
         now = 0.0
         losses, numbers = np.zeros((2, self.many, len(nodes)))
-        solved = [self.fits.solved(whole[own]) for own in (0, 1)]
         for own, other in ((0, 1), (1, 0)):
-            step, inverse = solved[own]
+            step, inverse = self.fits.solved(whole[own])
             both = np.append(-step, 1.0)
             now += float(both @ whole[other] @ both)
-            for k in range(self.many):
-                fit, held = (chosen[k].T @ self.fits.grams[k, h] @ mixed for h in (own, other))
-                square = [
-                    np.einsum("dn,de,en->n", mixed, self.fits.grams[k, h], mixed, optimize=True) for h in (own, other)
-                ]
-                lean = inverse @ fit[:-1]
-                power = square[0] - np.sum(fit[:-1] * lean, axis=0)
-                seen = power > self.rules.negligible * square[0]
-                number = np.where(seen, (fit[-1] - step @ fit[:-1]) / np.where(seen, power, 1.0), 0.0)
-                moved = np.vstack([-(step[:, None] - lean * number), np.ones(len(nodes))])
-                left = np.einsum("qn,qr,rn->n", moved, whole[other], moved, optimize=True)
-                left += number**2 * square[1] - 2.0 * number * np.sum(moved * held, axis=0)
-                numbers[k] += number
-                losses[k] += np.where((low <= number) & (number <= high), left, np.inf)
+            by_model, by_left, square = products[:, own, :-1], products[:, own, -1], squares[:, own]
+            lean = inverse @ by_model
+            power = square - np.sum(by_model * lean, axis=1)
+            seen = power > self.rules.negligible * square
+            number = np.where(seen, (by_left - step @ by_model) / np.where(seen, power, 1.0), 0.0)
+            moved = np.insert(lean * number[:, None] - step[:, None], len(step), 1.0, axis=1)
+            left = np.sum(moved * (whole[other] @ moved), axis=1)
+            left += number**2 * squares[:, other] - 2.0 * number * np.sum(moved * products[:, other], axis=1)
+            numbers += number
+            losses += np.where((low <= number) & (number <= high), left, np.inf)
         best: list[tuple[float, Claimed]] = []
         for claim in free:
             mine = [c for c, (element, _) in enumerate(nodes) if element is claim]
