@@ -270,13 +270,12 @@ class Fits:
         chosen = self.chosen(state)[:, None]
         return np.asarray(np.swapaxes(chosen, 2, 3) @ self.grams @ chosen)
 
-    def fitted(self, state: State, which: Float) -> Float:
-        """Numbers (Q,) of model and state fitted to the halves that are one in `which` (R, 2)."""
+    def together(self, state: State, without: tuple[int, ...] = ()) -> Float:
+        """Numbers (Q,) of model and state fitted to all halves, or to all `without` one (part, half)."""
+        which = np.ones((len(self.rows), 2))
+        if without:
+            which[without] = 0.0
         return self.solved(np.tensordot(which, self.sums(state), ((0, 1), (0, 1))))[0]
-
-    def together(self, state: State) -> Float:
-        """Numbers (Q,) of model and state fitted to all halves."""
-        return self.fitted(state, np.ones((len(self.rows), 2)))
 
     def solved(self, whole: Float) -> tuple[Float, Float]:
         """Numbers (Q,) that a Gram matrix (Q + 1, Q + 1) asks for, and the inverse (Q, Q) of its normal matrix."""

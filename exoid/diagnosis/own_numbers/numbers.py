@@ -252,14 +252,11 @@ def _added(seen: Seen, some: Iterable[tuple[Claimed, float]]) -> Float:
 
 def with_numbers(fits: Fits, state: State) -> OwnNumbers:
     """The claims that are held with their numbers and intervals."""
-    which = np.ones((len(fits.rows), 2))
-    step = fits.fitted(state, which)
+    step = fits.together(state)
     judged = np.zeros((len(fits.rows), 2, len(step) - fits.count))
     for j, half in np.ndindex(len(fits.rows), 2):
         if any(j in group for _, group in grouped(state)):
-            others = which.copy()
-            others[j, half] = 0.0
-            judged[j, half] = fits.fitted(state, others)[fits.count :]
+            judged[j, half] = fits.together(state, (j, half))[fits.count :]
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
     widths = spread.width[fits.count :][: len(numbers)]
     own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
