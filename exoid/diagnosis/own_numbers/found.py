@@ -174,17 +174,15 @@ class _Search:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those
         of another: they are asked again as long as there are more.
         """
-        while True:
+        before: State | None = None
+        while state != before:
             before = state
             for claim in self.claims:
-                own = Claimed(claim, claim.nodes[0], self.fits.everyone)
-                held = any(item.claim is claim for item in state)
-                if not claim.everyone or held:
-                    continue
-                if self.fits.pays(self._needless(state, own), (*state, own), self.clear):
-                    state = (*state, own)
-            if state == before:
-                return state
+                if claim.everyone and all(item.claim is not claim for item in state):
+                    own = Claimed(claim, claim.nodes[0], self.fits.everyone)
+                    if self.fits.pays(self._needless(state, own), (*state, own), self.clear):
+                        state = (*state, own)
+        return state
 
     def regrouped(self, state: State) -> State:
         """The same claims with those parts of recordings that have them, where whole recordings had them before."""
@@ -276,8 +274,7 @@ class _Search:
         held, tried = at_best_node(self.fits, state, held), {held.groups}
         while True:
             now = self.fits.weighed_loss((*state, held))
-            others = [other for other in self._others(held) if other.groups not in tried]
-            if not others:
+            if not (others := [other for other in self._others(held) if other.groups not in tried]):
                 break
             tried.update(other.groups for other in others)
             best = at_best_node(self.fits, state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))

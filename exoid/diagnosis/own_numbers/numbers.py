@@ -258,18 +258,16 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
         if any(j in group for _, group in grouped(state)):
             judged[j, half] = fits.together(state, (j, half))[fits.count :]
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
-    widths = spread.width[fits.count :][: len(numbers)]
+    widths = spread.width[fits.count : len(step)]
     own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
     if any(part.known for part in fits.parts):  # there, the numbers are what is left of them
         groups = [(held.claim, fits.parts[group[0]].known) for held, group in grouped(state)]
         known = np.array([before.get(claim.key, 0.0) if claim.of_motion else 0.0 for claim, before in groups])
-        numbers = numbers + known
-        own = replace(own, numbers=numbers, judged=judged + known)
+        own = replace(own, numbers=numbers + known, judged=judged + known)
     else:
         own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
     each = zip(state, _slices(state), strict=True)
-    told = (tuple(_told(fits, own.parts, held, numbers[mine], spread, mine)) for held, mine in each)
-    return replace(own, of_each=tuple(told))
+    return replace(own, of_each=tuple(tuple(_told(fits, own, held, spread, mine)) for held, mine in each))
 
 
 def _slices(state: State) -> list[slice]:
@@ -321,23 +319,23 @@ class Spread:
 
     def load(
         self, claim: Claim, node: Node, number: float, at: int, rules: Rules
-    ) -> tuple[list[float], Float, str, Estimate | None]:
-        """Half-width, value and unit of a load, and its place where that is known; where nobody can tell its mass, of
-        its first moment or inertia, without a place.
+    ) -> tuple[Float, Float, str, Estimate | None]:
+        """Value (1,), half-width (1,) and unit of a load, and its place where that is known; where nobody can tell its
+        mass, of its first moment or inertia, without a place.
         """
         place, toward = self.place(claim, node)
         width = float(self.width[self.count + at])
         if width <= rules.half * number or not place.value:
             known = place.high - place.value <= rules.half * place.value
-            return [width], np.array([number]), claim.unit, place if known else None
+            return np.array([number]), np.array([width]), claim.unit, place if known else None
         rows, far = np.r_[self.count + at, self.places[claim]], place.value
         both, told = self.matrix[np.ix_(rows, rows)], []
         for power, unit in ((1, "kg·m"), (2, "kg·m²")):
             slope = np.append(far**power, power * number * far ** (power - 1) * toward)
             half = self.critical * float(np.sqrt(max(float(slope @ both @ slope), 0.0)))
-            told.append((half / (number * far**power), half, number * far**power, unit))
-        _, width, value, unit = least_of(told, lambda one: one[0], 1.0)
-        return [width], np.array([value]), unit, None
+            told.append((number * far**power, half, unit))
+        value, width, unit = least_of(told, lambda one: one[1] / one[0], 1.0)
+        return np.array([value]), np.array([width]), unit, None
 
 
 def spread_of(fits: Fits, state: State, step: Float) -> Spread:
@@ -370,20 +368,16 @@ def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     return Spread(found.matrix, found.critical, widths, fits.count, places)
 
 
-def _told(
-    fits: Fits, parts: Sequence[Part], held: Claimed, numbers: Float, spread: Spread, mine: slice
-) -> list[Belonging]:
-    """Statements of a claim, whose numbers have the places `mine`, about whole recordings, about what comes before a
-    change, and after one: each by itself.
-    """
+def _told(fits: Fits, own: OwnNumbers, held: Claimed, spread: Spread, mine: slice) -> list[Belonging]:
+    """Statements of a claim, whose numbers are `mine`, on whole recordings, before a change and after one: one each."""
     claim, prepared = held.claim, fits.now.prepared
-    known, unit, place = spread.width[fits.count :][mine].tolist(), claim.unit, None
+    numbers, widths, unit, place = own.numbers[mine], own.widths[mine], claim.unit, None
     if len(claim.nodes) > 1:
-        known, numbers, unit, place = spread.load(claim, held.node, float(numbers[0]), mine.start, fits.rules)
+        numbers, widths, unit, place = spread.load(claim, held.node, float(numbers[0]), mine.start, fits.rules)
     told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
-    for group, x, w in zip(held.groups, claim.usual + numbers, known, strict=True):
+    for group, x, w in zip(held.groups, claim.usual + numbers, widths, strict=True):
         for j in group:
-            part = parts[j]
+            part = own.parts[j]
             halved = not part.whole and not all(i in group for i in fits.everyone[part.recording])
             kind = "whole" if not halved else "until" if part.start == 0 else "from"
             values, spans = told.setdefault(kind, ({}, {}))
