@@ -130,9 +130,7 @@ class BeforeAfter:
         return self._written(granted)
 
     def _next(self, granted: Sequence[_Change], refused: set[str]) -> _Change | None:
-        """Leader of all that pays; of those that cannot be distinguished, one that is no change; None where nothing
-        does.
-        """
+        """Leader of all that pays, or what is no change and cannot be distinguished; None where nothing pays."""
         fits, state = self.fits, _state(granted)
         taken = {g.asked.name for g in granted} | refused
         changes = self._promising(state, [item for item in self.questions if item.name not in taken], self.after)

@@ -48,9 +48,7 @@ class Asked:
     column: int | None = None
 
     def columns(self, nodes: Float, one: PreparedRecording, base: Float, fitted: FittedModel) -> Columns:
-        """Return its columns at `nodes` (V, S) on any recording, on which the model's are `base` (J, K, P), as if it
-        acted there.
-        """
+        """Return its columns at `nodes` (V, S) on any recording, where the model has `base` (J, K, P), if it acts."""
         if self.candidate is not None:
             return candidate_columns(self.candidate, nodes, one, fitted)
         if self.column is not None:
@@ -64,9 +62,7 @@ class Asked:
 
 @dataclass(frozen=True, eq=False)
 class Acting:
-    """A change as it acts on any window: what was `asked`, at `nodes` (1, S), and how much of each of its columns there
-    is, `size` (m,).
-    """
+    """A change as it acts on any window: the `size` (m,) of each column of what was `asked`, at `nodes` (1, S)."""
 
     asked: Asked
     nodes: Float

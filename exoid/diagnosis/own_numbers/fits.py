@@ -285,9 +285,7 @@ class Fits:
         return inverse @ whole[:-1, -1], inverse
 
     def loss(self, state: State) -> float:
-        """Weighted squared error of every half, judged by numbers of the other halves; infinite where a
-        number is none that can be.
-        """
+        """Weighted squared error of halves by numbers of the others; infinite where a number is none that can be."""
         sums, loss = self.sums(state).sum(axis=0), 0.0
         for own, other in ((0, 1), (1, 0)):
             step = self.solved(sums[own])[0]
@@ -342,9 +340,7 @@ class Fits:
         return out
 
     def weighed_loss(self, state: State) -> float:
-        """Loss of all recordings where the fit is weighted for these claims; infinite where a number is none that can
-        be.
-        """
+        """Loss of all recordings, the fit weighted for these claims; infinite where a number is none that can be."""
         self.weigh(state)
         return total(self.losses(state)) if np.isfinite(self.loss(state)) else np.inf
 

@@ -287,9 +287,7 @@ class _Search:
         return held if held.claim.shared else self._fewest(state, held)
 
     def _fewest(self, state: State, held: Claimed) -> Claimed:
-        """A claim without the recordings that need no number of their own; where those that have none may have them
-        instead, the fewer.
-        """
+        """A claim without recordings that need no number, or turned to those that have none where these are fewer."""
         while len(held.groups) > 1:
             self.fits.weigh((*state, held))
             shorter = [tuple(group for group in held.groups if group is not out) for out in held.groups]

@@ -183,9 +183,7 @@ class OwnNumbers:
         return timed.changed(motion=replace(timed.motion, q=timed.motion.q + angles)) if angles.any() else timed
 
     def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> Float:
-        """Torque (N, J) that belongs to a recording alone, whose motion is at the times of its torques; only what
-        drives bear where so asked.
-        """
+        """Torque (N, J) of a recording alone, its motion at the times of its torques; or what drives bear of it."""
         known = np.zeros(one.wide_tau.shape)
         for j, half, numbers in self._halves(one, unseen=unseen):
             own = [(held.claim, held, x) for held, x in of_part(self.held, numbers, j)]
@@ -195,9 +193,7 @@ class OwnNumbers:
         return known
 
     def _halves(self, one: PreparedRecording, *, unseen: bool) -> Iterator[tuple[int, Float, Float]]:
-        """Yield the parts (index) of a recording by halves, with how much (N,) of each sample lies there and the
-        numbers (C,) by which it is judged.
-        """
+        """Yield halves of the parts (index) of a recording: how much (N,) of each sample is there, and numbers (C,)."""
         t = one.motion.t
         for j, part in enumerate(self.parts):
             whole = self.now.prepared.all[part.recording]
@@ -277,9 +273,7 @@ def _slices(state: State) -> list[slice]:
 
 
 def _cut(fits: Fits, own: OwnNumbers, step: Float, part: Part) -> float | None:
-    """Time in s at which the recording of a part changes, between the kept samples next to its cut; None where it is
-    whole.
-    """
+    """Time in s at which a recording changes, between the kept samples next to its cut; None where it is whole."""
     if part.whole:
         return None
     recording, before, after = fits.now.prepared.all[part.recording], *fits.everyone[part.recording]

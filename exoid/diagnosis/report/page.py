@@ -124,8 +124,5 @@ class Reported(AsJson):
         """Material that the report draws on, the recordings apart."""
 
     def report(self, folder: str | Path = "exoid-report") -> Path:
-        """Write the report into `folder`, made where there is none, and return the path of the page.
-
-        OutputError where it cannot be written.
-        """
+        """Write the report into `folder`, made where there is none; return its path. OutputError where it cannot be."""
         return write_report(replace(self.material(), payload=self.to_json()), folder)

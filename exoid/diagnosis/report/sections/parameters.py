@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from exoid.diagnosis.report.material import Context, Material
 from exoid.symbolic.wording import number_of
 
@@ -25,10 +23,6 @@ def context(material: Material) -> Context:
     return {
         "head": ("parameter", "meaning", "value", "unit", "95 % from", "to"),
         "rows": rows,
-        "findings": [(str(f.severity), _text(f), f.remedy) for f in fit.plausibility],
+        "findings": [(str(f.severity), ": ".join(filter(None, (f.where, f.what))), f.remedy) for f in fit.plausibility],
         "best_known": bool(fit.best_known),
     }
-
-
-def _text(finding: Any) -> str:
-    return f"{finding.where}: {finding.what}" if finding.where else str(finding.what)
