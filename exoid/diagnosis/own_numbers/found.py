@@ -215,10 +215,9 @@ class _Search:
     def _common(self, state: State) -> list[Claimed]:
         """The claims that are not held of which all recordings have the same number, where that can be."""
         taken = {held.claim for held in state}
-        free = [claim for claim in self.claims if claim.common and claim not in taken]
-        held = [Claimed(claim, claim.nodes[0], self.all) for claim in free]
-        most = (1.0 - self.rules.least_share) * self.fits.loss(state) if held else 0.0
-        return [item for item in held if self.fits.loss((*state, item)) <= most]
+        free = [Claimed(c, c.nodes[0], self.all) for c in self.claims if c.common and c not in taken]
+        most = (1.0 - self.rules.least_share) * self.fits.loss(state)
+        return [item for item in free if self.fits.loss((*state, item)) <= most]
 
     def _promising(self, state: State) -> list[Claimed]:
         """The most promising recording and node of claims that are not held: the best few, and the best of each
