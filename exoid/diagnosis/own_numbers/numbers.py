@@ -186,9 +186,8 @@ class OwnNumbers:
         """Torque (N, J) of a recording alone, its motion at the times of its torques; or what drives bear of it."""
         known = np.zeros(one.wide_tau.shape)
         for j, half, numbers in self._halves(one, unseen=unseen):
-            own = [(held.claim, held, x) for held, x in of_part(self.held, numbers, j)]
-            some = [(held, x) for claim, held, x in own if not claim.of_motion and (claim.borne or not borne)]
-            if some:
+            own = (entry for entry in of_part(self.held, numbers, j) if not entry[0].claim.of_motion)
+            if some := [(held, x) for held, x in own if held.claim.borne or not borne]:
                 known += half[:, None] * _added(self._seen(one, j), some).T
         return known
 

@@ -59,9 +59,8 @@ def context(material: Material) -> Context:
 
 def tiles(material: Material) -> list[Mapping[str, Any]]:
     """Return per joint the error before and after the steps (unseen motion where there is some), and the floor, N·m."""
-    if material.fall is None:
+    if (fall := material.fall) is None:
         return []
-    fall = material.fall
     first, last = fall.steps[0], fall.steps[-1]
     return [
         {
