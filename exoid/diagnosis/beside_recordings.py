@@ -11,7 +11,7 @@ import numpy as np
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_on, refitted, shapes_from
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.machine_answer import Asking, answer_of_machine
-from exoid.diagnosis.own_numbers.bound import least_left
+from exoid.diagnosis.own_numbers.changes import least_left
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import WAYS, belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers

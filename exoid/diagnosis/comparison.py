@@ -22,7 +22,7 @@ from exoid.diagnosis.evidence.strides import Strides, strides_of
 from exoid.diagnosis.outside import ForceUse, force_uses
 from exoid.diagnosis.plots import against, torques_over_time
 from exoid.diagnosis.report.material import NOTHING_HELD_OUT, Material, pictures_of
-from exoid.diagnosis.report.reported import Reported
+from exoid.diagnosis.report.page import Reported
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
 from exoid.ground.frames import pandas
 from exoid.ground.html import picture, table

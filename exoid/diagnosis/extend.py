@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
 from exoid.diagnosis.report.material import Material, pictures_of
-from exoid.diagnosis.report.reported import Reported
+from exoid.diagnosis.report.page import Reported
 from exoid.diagnosis.results import Falling, Step
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import biased_parameters, sentence_of

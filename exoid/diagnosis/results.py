@@ -19,8 +19,8 @@ from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.plots import falling_error, suspects, torques_over_time
-from exoid.diagnosis.report.material import Material, before_and_after, pictures_of
-from exoid.diagnosis.report.reported import Reported
+from exoid.diagnosis.report.material import Material, Picture, pictures_of
+from exoid.diagnosis.report.page import Reported
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
 from exoid.ground.frames import pandas
@@ -396,8 +396,9 @@ class Diagnosis(Falling, Conclusion):
         if first is None and self.given is not None:
             first = compare_prepared(self.given.fit, self.given.prepared)
         seen = pictures_of(first, section="where")
+        top: tuple[Picture, ...]
         if first is not None and len(self.steps) > 1:
-            top = before_and_after(first, self.fitted_on(first.now.prepared))
+            top = (Picture(*first.before_and_after(self.fitted_on(first.now.prepared)), "verdict"),)
         else:  # then the answer stands above measured and modelled torque
             top, seen = tuple(replace(picture, section="verdict") for picture in seen[:1]), seen[1:]
         return Material(

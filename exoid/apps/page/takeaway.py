@@ -56,7 +56,7 @@ def report(workspace: Workspace) -> str:
     where nothing is open.
     """
     from exoid.diagnosis.extend import Waterfall
-    from exoid.diagnosis.report.material import Material, before_and_after, pictures_of, without_folders
+    from exoid.diagnosis.report.material import Material, Picture, pictures_of, without_folders
     from exoid.diagnosis.report.page import render_report
     from exoid.diagnosis.report.sections.verdict import WORDS
 
@@ -81,7 +81,7 @@ def report(workspace: Workspace) -> str:
     shown = diagnosis or fall
     with DRAWING:
         comparison = session.compare()
-        falls = before_and_after(comparison, now) if len(shown.steps) > 1 else ()
+        falls = (Picture(*comparison.before_and_after(now), "verdict"),) if len(shown.steps) > 1 else ()
         page = render_report(Material(
             title="What the model was missing" if names else "Model against measurement",
             answer=answer,

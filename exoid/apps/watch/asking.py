@@ -28,4 +28,4 @@ def differences_of(
     asked: FittedModel, seed: int, extra: Sequence[Effect], rules: Rules, most: int, known: Mapping[str, Float]
 ) -> Differences:
     """Return the differences, `most` at most; `known` {name: numbers} are those known already."""
-    return BeforeAfter(asked, seed, tuple(extra), rules, most, known).run(0.0)
+    return BeforeAfter(asked, seed, tuple(extra), rules, most, known).run()

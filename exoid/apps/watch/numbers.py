@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -88,7 +88,7 @@ class FollowedNumbers:
             size = np.array([e.value for e in one.change])
             scale = one.acting.size / np.where(size == 0.0, 1.0, size)
             self.estimator = self.estimator.extended(own, tuple(e.unit for e in one.change), size)
-            self.followed = (*self.followed, one.acting.scaled(scale))
+            self.followed = (*self.followed, replace(one.acting, size=scale))
 
     def _learn(self, one: Window, base: Float) -> None:
         own = base[:, :, : len(self.now.model.parameters)]

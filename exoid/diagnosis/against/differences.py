@@ -12,7 +12,6 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -46,7 +45,6 @@ from exoid.symbolic.quantity import Estimate
 
 STRETCH = 2.0
 """Length in s of the stretches by which the course of a change is told."""
-NONE: Mapping[str, Float] = MappingProxyType({})
 MOST = 3
 """Differences named at most."""
 
@@ -73,7 +71,8 @@ def compare_against(
     question = prepare(machine, before, after, cutoff=cutoff, derivative=derivative)
     began = time.perf_counter()
     now = fitted_model(identify(machine, question.train, optimisers=()), question)
-    return BeforeAfter(now, seed, own_effects(machine, tuple(extra)), RULES, MOST).run(began)
+    found = BeforeAfter(now, seed, own_effects(machine, tuple(extra)), RULES, MOST, {}).run()
+    return replace(found, seconds=time.perf_counter() - began)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +100,7 @@ class BeforeAfter:
 
     def __init__(
         self, now: FittedModel, seed: int, extra: tuple[Effect, ...], rules: Rules, most: int,
-        already: Mapping[str, Float] = NONE,
+        already: Mapping[str, Float],
     ) -> None:  # fmt: skip
         self.now, self.seed, self.rules, self.most, self.already = now, seed, rules, most, already
         self.fits = Fits(now, rules, {})
@@ -115,13 +114,12 @@ class BeforeAfter:
         self.helpful = set[str]()
         self.columns: dict[tuple[str, int], Columns] = {}
 
-    def run(self, began: float) -> Differences:
+    def run(self) -> Differences:
         """Grant what leads until nothing is left that is significant."""
         granted: list[_Change] = []
         refused = set[str]()
         while len(granted) < 2 * self.most and sum(not g.always for g in granted) < self.most:
-            found = self._next(granted, refused)
-            if found is None:
+            if (found := self._next(granted, refused)) is None:
                 break
             if found.always or self._exceeds_scatter(granted, found):
                 granted.append(found)
@@ -129,12 +127,10 @@ class BeforeAfter:
                     granted[k] = self._placed(_state([g for g in granted if g is not change]), change)
             else:
                 refused.add(found.asked.name)
-        return self._written(granted, began)
+        return self._written(granted)
 
     def _next(self, granted: Sequence[_Change], refused: set[str]) -> _Change | None:
-        """Leader of all that pays; of those that cannot be distinguished, one that is no change; None where nothing
-        does.
-        """
+        """Leader of all that pays, or what is no change and cannot be distinguished; None where nothing pays."""
         fits, state = self.fits, _state(granted)
         taken = {g.asked.name for g in granted} | refused
         changes = self._promising(state, [item for item in self.questions if item.name not in taken], self.after)
@@ -144,10 +140,8 @@ class BeforeAfter:
             if not granted:
                 some = [item for item in self.questions if item.candidate is None or item.name in self.helpful]
                 errors = self._promising(state, some, self.all)
-                whole = total(fits.losses(state))
-                left = [(total(fits.losses((*state, *e.held))), e) for e in errors]
-                told = [e for loss, e in left if loss <= (1.0 - self.rules.worth_telling) * whole]
-                self.old = tuple(e.asked.name for e in told[:1])
+                told = [e.asked.name for e in errors if self._share(state, e) >= self.rules.worth_telling]
+                self.old = tuple(told[:1])
             return None
         least_share = self.rules.half * self._share(state, lead)
         near = [c for c in changes if c.asked is not lead.asked and self._share(state, c) >= least_share]
@@ -222,14 +216,12 @@ class BeforeAfter:
         """Changes that explain at least a little where they act in the recordings `where`, best first."""
         fits, always = self.fits, where == self.all
         fits.weigh(state)
-        found = []
         evidence = self._evidence(state)
         effects = [(item, item.candidate) for item in asked if item.candidate is not None]
         scores = [(item, weigh(evidence, candidate, self._columns(item, where))) for item, candidate in effects]
         self.helpful = {item.name for item, score in scores if score.share >= self.rules.least_share}
         best = ascending([(i, s) for i, s in scores if s.eligible], lambda pair: -pair[1].share, 1.0)[:TRIED]
-        for item, score in best:
-            found.append(self._taken(item, item.nodes[int(score.nodes[0])], where))
+        found = [self._taken(item, item.nodes[int(score.nodes[0])], where) for item, score in best]
         fits.weigh(state)
         for item in asked:
             if (claim := item.claim) is not None and not (always and item.column is not None):
@@ -245,16 +237,12 @@ class BeforeAfter:
     def _evidence(self, state: State, draws: int = 0) -> Evidence:
         """Evidence of what is left beside a state, each recording in two halves, to weigh effects by."""
         fits = self.fits
-        step = fits.together(state)
-        left = fits.left_by(state, [step, step])
+        each = zip(fits.blocks, fits.rows, fits.chosen(state), fits.left(state), strict=True)
         blocks = [
-            replace(
-                block, columns=rows @ chosen[:, :-1], residual=r, fold=np.arange(r.shape[1]) * 2 // r.shape[1]
-            )
-            for block, rows, chosen, r in zip(fits.blocks, fits.rows, fits.chosen(state), left, strict=True)
+            replace(block, columns=rows @ chosen[:, :-1], residual=r, fold=np.arange(r.shape[1]) * 2 // r.shape[1])
+            for block, rows, chosen, r in each
         ]
-        prior = np.zeros(len(step))
-        prior[: fits.count] = fits.prior
+        prior = np.pad(fits.prior, (0, blocks[0].columns.shape[2] - fits.count))
         return Evidence(blocks, [], seed=self.seed, draws=draws, prior=prior, rules=self.rules)
 
     def _columns(self, item: Asked, where: tuple[int, ...]) -> list[Columns]:
@@ -316,11 +304,10 @@ class BeforeAfter:
         share = float(np.median(own[usable])) / max(after, 1e-300)
         return self.rules.clear * spread * np.sqrt(min(1.0, share) + 1.0 / usable.sum()) < 1.0
 
-    def _written(self, granted: Sequence[_Change], began: float) -> Differences:
+    def _written(self, granted: Sequence[_Change]) -> Differences:
         prepared, state, many = self.now.prepared, _state(granted), len(self.before)
         self.fits.weigh(state)
-        step = self.fits.together(state)
-        old, left = self.now.residuals, self.fits.left_by(state, [step, step])
+        old, left = self.now.residuals, self.fits.left(state)
         return Differences(
             found=tuple(self._difference(g, granted) for g in granted if not g.always),
             old=tuple(dict.fromkeys([*(g.asked.name for g in granted if g.always), *self.old])),
@@ -331,7 +318,6 @@ class BeforeAfter:
             rms_after=tuple(map(float, pooled_rms(old[many:], prepared.verify))),
             rms_named=tuple(map(float, pooled_rms(left[many:], prepared.verify))),
             units=tuple(joint.unit("tau") for joint in self.now.model.joints),
-            seconds=time.perf_counter() - began,
             audit=prepared.findings,
         )
 
@@ -362,8 +348,8 @@ class BeforeAfter:
         amount = change @ step
         if asked.candidate is not None and asked.candidate.change:  # a whole change at its value: a share of that
             before, change = (rows * one.node[0] for rows in (before, change))
-        known = self.already.get(asked.name, start)
-        start = start + known if known is not start and known.size == start.size else start
+        known = self.already.get(asked.name)
+        start = start + known if known is not None and known.size == start.size else start
 
         def said(rows: Float, offset: Float) -> tuple[Estimate, ...]:
             middle = rows @ step + offset
@@ -373,22 +359,18 @@ class BeforeAfter:
                 for (n, (u, *_)), v, h in zip(asked.numbers.items(), middle, half, strict=True)
             )
 
-        place = None
-        if claim in spread.places:
-            told = spread.place(claim, own[0].node)[0]
-            place = told if np.isfinite(told.high) else None
-        shape = {} if asked.candidate is None or not asked.candidate.term.effect.coefficients else dict(
-            zip(asked.candidate.term.effect.shape, map(float, one.node), strict=True)
-        )
+        place = spread.place(claim, own[0].node)[0] if claim in spread.places else None
+        effect = asked.candidate.term.effect if asked.candidate is not None else None
+        shape = zip(effect.shape, map(float, one.node), strict=True) if effect and effect.coefficients else ()
         return ChangeFound(
             name=asked.name,
             kind=asked.kind,
             before=said(before, start),
             after=said(before + change, start),
             change=said(change, np.zeros(len(change))),
-            place=place,
+            place=place if place is not None and np.isfinite(place.high) else None,
             acting=Acting(asked, one.node[None], amount),
-            shape=shape,
+            shape=dict(shape),
             look_alikes=one.alike,
             share=one.share,
             p_value=one.p_value,

@@ -5,7 +5,7 @@ belong to recordings (`exoid.diagnosis.hypotheses`): a load, a zero, a gain, a l
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -48,9 +48,7 @@ class Asked:
     column: int | None = None
 
     def columns(self, nodes: Float, one: PreparedRecording, base: Float, fitted: FittedModel) -> Columns:
-        """Return its columns at `nodes` (V, S) on any recording, on which the model's are `base` (J, K, P), as if it
-        acted there.
-        """
+        """Return its columns at `nodes` (V, S) on any recording, where the model has `base` (J, K, P), if it acts."""
         if self.candidate is not None:
             return candidate_columns(self.candidate, nodes, one, fitted)
         if self.column is not None:
@@ -64,9 +62,7 @@ class Asked:
 
 @dataclass(frozen=True, eq=False)
 class Acting:
-    """A change as it acts on any window: what was `asked`, at `nodes` (1, S), and how much of each of its columns there
-    is, `size` (m,).
-    """
+    """A change as it acts on any window: the `size` (m,) of each column of what was `asked`, at `nodes` (1, S)."""
 
     asked: Asked
     nodes: Float
@@ -80,10 +76,6 @@ class Acting:
         """Return the torque (J, K) that it adds."""
         return np.asarray(self.columns(one, base, fitted) @ self.size)
 
-    def scaled(self, size: Float) -> Acting:
-        """Return the same with other sizes (m,)."""
-        return replace(self, size=size)
-
 
 def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequence[Claim] = ()) -> tuple[Asked, ...]:
     """Return all that may change on the recordings of `fitted`; `claims` are those about recordings, where they are
@@ -95,10 +87,10 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
     model, every = fitted.model, fitted.prepared.all
     claims = claims or claims_of(model, driven_joints(every))
     found = [_claimed(claim) for claim in claims if claim.place and not (claim.common or claim.of or claim.of_motion)]
-    names = [*((p.name, p.unit) for p in model.parameters), *((s.name, s.shape.unit) for s in model.shapes)]
-    choices = [False] * len(model.parameters) + [bool(s.shape.choices) for s in model.shapes]
-    for k, (name, unit) in enumerate(names):
-        if not choices[k]:
+    names = [(p.name, p.unit, False) for p in model.parameters]
+    names += [(s.name, s.shape.unit, bool(s.shape.choices)) for s in model.shapes]
+    for k, (name, unit, chosen) in enumerate(names):
+        if not chosen:
             claim = Claim("number", name, unit, nothing, ANY)
             found.append(Asked(name, "number", {name: (unit, *ANY)}, np.zeros((1, 1)), claim=claim, column=k))
     taken = {item.name for item in found}

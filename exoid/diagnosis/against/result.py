@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from exoid.diagnosis.against.plots import errors_figure
+import numpy as np
+
 from exoid.diagnosis.against.questions import Acting
+from exoid.ground.figures import figure_style, new_figure
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, picture, table
 from exoid.ground.plain import AsJson, by_name
@@ -17,18 +19,11 @@ from exoid.symbolic.quantity import Estimate
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-KINDS: Mapping[str, str] = {
-    "effect": "an effect that was not there",
-    "number": "a number of the model that is another one",
-    "load": "a mass that was put on or taken off",
-    "sensor": "a sensor that reads otherwise",
-}
-
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """The course of a difference: at times `t` (K,) in s, how much of the whole change (1) stretches of `SECONDS` want
-    (`wants`, (K,)), and how much they can tell (`power`, (K,)).
+    """The course of a difference: at times `t` (K,) in s, how much of the whole change (1) stretches of the recordings
+    want (`wants`, (K,)), and how much they can tell (`power`, (K,)).
     """
 
     t: Float
@@ -39,7 +34,8 @@ class Course:
 @dataclass(frozen=True, eq=False)
 class ChangeFound(AsJson):
     """One thing that differs: `name` is that of an effect ("load_friction:knee"), of a number of the model
-    ("coulomb:knee") or of a load ("payload:shank"); `kind` is a key of `KINDS`.
+    ("coulomb:knee") or of a load ("payload:shank"); `kind` is "effect", one that was not there, "number" of the model,
+    "load", put on or taken off, or "sensor", one that reads otherwise.
 
     `before` and `after` are the same numbers before and after, `change` what they differ by, each with its 95 %
     interval (valid under autocorrelation). `look_alikes` explain these data as well. `share` is the part of the
@@ -135,12 +131,12 @@ class Differences(AsJson):
     def _old(self) -> list[str]:
         return [f"  no change, but missing in the model before and after: {name}" for name in self.old]
 
+    def _numbers(self) -> list[tuple[ChangeFound, Estimate, Estimate]]:
+        """Every number that differs, before and after."""
+        return [(d, b, a) for d in self.found for b, a in zip(d.before, d.after, strict=True)]
+
     def _repr_html_(self) -> str:
-        rows = [
-            (d.name, d.kind, str(a), str(b), ", ".join(d.look_alikes))
-            for d in self.found
-            for a, b in zip(d.before, d.after, strict=True)
-        ]
+        rows = [(d.name, d.kind, str(b), str(a), ", ".join(d.look_alikes)) for d, b, a in self._numbers()]
         head = ("what", "kind", "before", "after", "look-alikes")
         named = table(head, rows) if rows else ""
         return lines(strong=self.sentence) + picture(self.plot(), self.sentence) + named + bullets(self._old())
@@ -149,12 +145,11 @@ class Differences(AsJson):
         """Return one row per number that differs."""
         rows = [
             {
-                "name": d.name, "kind": d.kind, "number": b.name, "unit": b.unit,
-                "before": a.value, "before_low": a.low, "before_high": a.high,
-                "after": b.value, "after_low": b.low, "after_high": b.high,
+                "name": d.name, "kind": d.kind, "number": a.name, "unit": a.unit,
+                "before": b.value, "before_low": b.low, "before_high": b.high,
+                "after": a.value, "after_low": a.low, "after_high": a.high,
             }
-            for d in self.found
-            for a, b in zip(d.before, d.after, strict=True)
+            for d, b, a in self._numbers()
         ]  # fmt: skip
         return pandas().DataFrame(rows)
 
@@ -164,7 +159,17 @@ class Differences(AsJson):
 
     def plot(self) -> Figure:
         """Draw the error of the model fitted before: before, after, and after with what is named."""
-        return errors_figure(self.joints, self.units, self.rms_before, self.rms_after, self.rms_named)
+        errors = {"before": self.rms_before, "after": self.rms_after, "after, with what is named": self.rms_named}
+        with figure_style():
+            figure = new_figure(6.0, 3.2)
+            axes = figure.subplots()
+            place = np.arange(len(self.joints))
+            for k, (label, values) in enumerate(errors.items()):
+                axes.bar(place + 0.27 * (k - 1), values, 0.25, label=label)
+            axes.set_xticks(place, self.joints)
+            axes.set_ylabel(f"error of the model [{', '.join(dict.fromkeys(self.units))}]")
+            axes.legend()
+        return figure
 
     def _json(self) -> dict[str, Any]:
         return {

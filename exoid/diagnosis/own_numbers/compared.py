@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.own_numbers.state import UNCUT, Cuts
 from exoid.diagnosis.rules import Rules
 from exoid.symbolic.motion import Float
 
 
-def predicts_better(
-    last: FittedModel, rival: FittedModel, rules: Rules, cuts: Mapping[int, int] = MappingProxyType({})
-) -> bool:
+def predicts_better(last: FittedModel, rival: FittedModel, rules: Rules, cuts: Cuts = UNCUT) -> bool:
     """True where a model beside what belongs to recordings, or to the parts into which `cuts` divide some, predicts
     clearly better than the `last` one without, and unseen motion not worse by a part worth telling.
     """
     once, then = (item.recording_losses(last.scale, rules, cuts) for item in (last, rival))
-    if rival.unseen_loss(last.scale, rules) > (1.0 + rules.worth_telling) * last.unseen_loss(last.scale, rules):
-        return False
-    return falls_clearly(once, then, rules, rules.clear)
+    worse = rival.unseen_loss(last.scale, rules) > (1.0 + rules.worth_telling) * last.unseen_loss(last.scale, rules)
+    return not worse and falls_clearly(once, then, rules, rules.clear)
 
 
 def falls_clearly(once: Sequence[Float], then: Sequence[Float], rules: Rules, clear: float) -> bool:

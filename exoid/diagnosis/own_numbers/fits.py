@@ -14,7 +14,7 @@ from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
 from exoid.diagnosis.own_numbers.compared import falls_clearly, total
-from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State, parts_of, state_columns
+from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State, grouped, of_part, parts_of, state_columns
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
@@ -67,8 +67,8 @@ class Fits:
         self.linear = now.linear
         self.torques = [now.torque(k) for k in range(len(self.blocks))]
         for k, recording in enumerate(now.prepared.all):
-            if recording.motion.load is not None:
-                self.torques[k] = self.torques[k] + recording.smooth(recording.motion.load)
+            if (load := recording.motion.load) is not None:
+                self.torques[k] = self.torques[k] + recording.smooth(load)
         self.rising = [self._rising(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, driven_joints(now.prepared.all), state_columns(now))
         self.turning = [self._turning(k) for k in range(len(self.blocks))]
@@ -95,13 +95,13 @@ class Fits:
         self.starts = [every[p.recording].starts_within(seconds, p.start, p.stop) for p in self.parts]
         self.curves: dict[str | None, State] = {}
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
-        self.grams = self.weigh(())
+        self.weigh(())
 
     @property
     def everyone(self) -> tuple[tuple[int, ...], ...]:
         """Groups of parts, those of each recording together."""
-        last = range(len(self.blocks))
-        return tuple(tuple(j for j, part in enumerate(self.parts) if part.recording == k) for k in last)
+        parts = list(enumerate(self.parts))
+        return tuple(tuple(j for j, part in parts if part.recording == k) for k in range(len(self.blocks)))
 
     def _alike(self, claims: Sequence[Claim]) -> dict[int, list[Claim]]:
         """Return the model's numbers that do what `claims` of everyone do, each at its own joint, with these: the
@@ -213,31 +213,25 @@ class Fits:
 
     def numbers_of(self, state: State, step: Float, j: int) -> dict[Claim, float]:
         """Numbers of the claims that hold of a part (index), of those (Q,) of the model and of the state."""
-        groups = [(held.claim, group) for held in state for group in held.groups]
-        own = zip(groups, step[self.count :], strict=True)
-        return {claim: float(np.clip(x, *claim.bounds)) for (claim, group), x in own if j in group}
+        own = of_part(state, step[self.count :], j)
+        return {held.claim: float(np.clip(x, *held.claim.bounds)) for held, x in own}
 
     def slopes(self, state: State, numbers: Float) -> list[Float]:
         """Derivatives (J, K, P) of what `state` adds to each part by the model's numbers, at its own `numbers` (C,)."""
-        out = []
-        groups = [(held, group) for held in state for group in held.groups]
-        for j, (part, use) in enumerate(zip(self.parts, self.use, strict=True)):
-            slope = np.zeros((*use.shape, len(self.linear)))
-            for (held, group), number in zip(groups, numbers.tolist(), strict=True):
-                if not held.claim.factor or j not in group:
-                    continue
+        out = [np.zeros((*use.shape, len(self.linear))) for use in self.use]
+        for j, (slope, part, use) in enumerate(zip(out, self.parts, self.use, strict=True)):
+            for held, number in of_part(state, numbers, j):
                 if held.claim.moves:
                     slope += self._moved(held.claim, part.recording, number)[:, part.kept] * use[:, :, None]
-                    continue
-                for p in range(len(self.linear)):
-                    pieces = self.pieces(held.claim, part.recording, number, p)
-                    slope[:, :, p] += number * pieces[:, part.kept, 0] * use
-            out.append(slope)
+                elif held.claim.factor:
+                    for p in range(len(self.linear)):
+                        pieces = self.pieces(held.claim, part.recording, number, p)
+                        slope[:, :, p] += number * pieces[:, part.kept, 0] * use
         return out
 
     def chosen(self, state: State) -> Float:
         """Matrices (R, D, Q + 1) from rows to the model's columns, those of `state`, and the residual."""
-        width, groups = self.rows[0].shape[2], [(held, group) for held in state for group in held.groups]
+        width, groups = self.rows[0].shape[2], grouped(state)
         out = np.zeros((len(self.rows), width, self.count + len(groups) + 1))
         free = np.ones(self.count)
         free[list(self._held(state))] = 0.0
@@ -249,12 +243,12 @@ class Fits:
         out[:, -1, -1] = 1.0
         return out
 
-    def weigh(self, state: State) -> Float:
-        """Gram matrices (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for."""
+    def weigh(self, state: State) -> None:
+        """Make the `grams` (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for."""
         left = [r[:, :, -1] for r in self.rows]
         most, before = (CLOSER if any(held.claim.factor for held in state) else REWEIGHTED), np.array([np.inf])
         for k in range(most if state else 1):
-            sigma = pooled_scale([(r, use) for r, use in zip(left, self.use, strict=True)])
+            sigma = pooled_scale(list(zip(left, self.use, strict=True)))
             out = []
             for rows, r in zip(self.rows, left, strict=True):
                 size = np.maximum(np.abs(r), 1e-300)
@@ -262,7 +256,7 @@ class Fits:
                 half = rows.shape[1] // 2
                 parts = [(rows[:, s], rows[:, s] * weight[:, s, None]) for s in (slice(0, half), slice(half, None))]
                 out.append([np.tensordot(a, b, ((0, 1), (0, 1))) for a, b in parts])
-            self.grams = np.array(out)
+            self.grams: Float = np.array(out)
             if state:
                 step = self.together(state)
                 self._place_factors(state, step)
@@ -270,20 +264,18 @@ class Fits:
                 if k + 1 >= REWEIGHTED and np.allclose(step[self.count :], before, rtol=CLOSE):
                     break
                 before = step[self.count :]
-        return self.grams
 
     def sums(self, state: State) -> Float:
         """Gram matrices (R, 2, Q + 1, Q + 1) of halves for model, state and residual."""
         chosen = self.chosen(state)[:, None]
         return np.asarray(np.swapaxes(chosen, 2, 3) @ self.grams @ chosen)
 
-    def fitted(self, state: State, which: Float) -> Float:
-        """Numbers (Q,) of model and state fitted to the halves that are one in `which` (R, 2)."""
+    def together(self, state: State, without: tuple[int, ...] = ()) -> Float:
+        """Numbers (Q,) of model and state fitted to all halves, or to all `without` one (part, half)."""
+        which = np.ones((len(self.rows), 2))
+        if without:
+            which[without] = 0.0
         return self.solved(np.tensordot(which, self.sums(state), ((0, 1), (0, 1))))[0]
-
-    def together(self, state: State) -> Float:
-        """Numbers (Q,) of model and state fitted to all halves."""
-        return self.fitted(state, np.ones((len(self.rows), 2)))
 
     def solved(self, whole: Float) -> tuple[Float, Float]:
         """Numbers (Q,) that a Gram matrix (Q + 1, Q + 1) asks for, and the inverse (Q, Q) of its normal matrix."""
@@ -293,13 +285,12 @@ class Fits:
         return inverse @ whole[:-1, -1], inverse
 
     def loss(self, state: State) -> float:
-        """Weighted squared error of every half, judged by numbers of the other halves; infinite where a
-        number is none that can be.
-        """
+        """Weighted squared error of halves by numbers of the others; infinite where a number is none that can be."""
         sums, loss = self.sums(state).sum(axis=0), 0.0
         for own, other in ((0, 1), (1, 0)):
             step = self.solved(sums[own])[0]
-            if not self._possible(state, step):
+            bounds = [held.claim.bounds for held, _ in grouped(state)]
+            if any(not low <= x <= high for x, (low, high) in zip(step[self.count :], bounds, strict=True)):
                 return np.inf
             both = np.append(-step, 1.0)
             loss += float(both @ sums[other] @ both)
@@ -323,12 +314,11 @@ class Fits:
 
     def rescale(self, state: State) -> None:
         """Count losses from here on in units of what `state` leaves: beside what is large, bursts would be nothing."""
-        step = self.together(state)
-        self.sigma = pooled_scale(list(zip(self.left_by(state, [step] * 2), self.use, strict=True)))
+        self.sigma = pooled_scale(list(zip(self.left(state), self.use, strict=True)))
 
-    def _possible(self, state: State, step: Float) -> bool:
-        bounds = [held.claim.bounds for held in state for _ in held.groups]
-        return all(low <= x <= high for x, (low, high) in zip(step[self.count :], bounds, strict=True))
+    def left(self, state: State) -> list[Float]:
+        """Residuals (J, K) of each part by the numbers that fit all halves best."""
+        return self.left_by(state, [self.together(state)] * 2)
 
     def left_by(self, state: State, steps: Sequence[Float]) -> list[Float]:
         """Residuals (J, K) of each part, its halves by the numbers `steps` (2, Q)."""
@@ -350,9 +340,7 @@ class Fits:
         return out
 
     def weighed_loss(self, state: State) -> float:
-        """Loss of all recordings where the fit is weighted for these claims; infinite where a number is none that can
-        be.
-        """
+        """Loss of all recordings, the fit weighted for these claims; infinite where a number is none that can be."""
         self.weigh(state)
         return total(self.losses(state)) if np.isfinite(self.loss(state)) else np.inf
 

@@ -34,9 +34,7 @@ MOVES, HALVINGS = 30, 6
 """Steps to it at most, and how often one that does not help is halved."""
 
 
-def belonging_to(
-    now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, ways: int = WAYS
-) -> OwnNumbers | None:
+def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, ways: int = WAYS) -> OwnNumbers | None:
     """Numbers that belong to recordings, or to a part of them, beside a model, in so many `ways` beside zeros; None
     where none do.
 
@@ -54,7 +52,7 @@ def belonging_to(
         then = search.found(search.regrouped(in_parts.moved(fits, held)))
         if cuts := sharpened(in_parts, then):
             fits = Fits(now, rules, cuts)
-            held = _Search(fits).placed(fits.moved(in_parts, then))
+            held = placed(fits, fits.moved(in_parts, then))
     own = with_numbers(fits, held) if held else None
     for _ in range(MOVED):
         if own is None or not (parts := own.moved):
@@ -67,8 +65,16 @@ def belonging_to(
 
 
 def placed(fits: Fits, state: State) -> State:
-    """Claims that are known to hold, each at the node that fits best."""
-    return _Search(fits).placed(state)
+    """Claims that are known to hold, each at the node that fits best where the fit is weighted for them."""
+    fits.weigh(state)
+    return _placed(fits, state)
+
+
+def _placed(fits: Fits, state: State) -> State:
+    for item in state:
+        others = tuple(other for other in state if other is not item)
+        state = tuple(at_best_node(fits, others, other) if other is item else other for other in state)
+    return state
 
 
 def at_best_node(fits: Fits, rest: State, held: Claimed) -> Claimed:
@@ -103,9 +109,7 @@ class _Search:
         # On little motion what single recordings have looks as real as any effect that is not there.
         little, cut = bool(little_motion(fits.now.prepared, self.rules)), bool(fits.cuts)
         self.claims = [
-            claim
-            for claim in fits.claims
-            if claim.everyone or claim.common or not (little or (cut and claim.whole))
+            claim for claim in fits.claims if claim.everyone or claim.common or not (little or (cut and claim.whole))
         ]
         self.all = (tuple(range(self.many)),)
         """The group of all parts."""
@@ -130,7 +134,8 @@ class _Search:
             best = least_of([*alike, *longer], self.fits.weighed_loss, 1.0) if alike or longer else state
             # One number for all may explain as much, and so may the same on another link: a load at a pivot is on both.
             simpler = [least_of(alike, self.fits.weighed_loss, 1.0)] if alike and best not in alike else []
-            simpler += [item for item in longer if item[-1].is_plainer(best[-1])]
+            alike_too = (item for item in longer if item[-1].claim.what == best[-1].claim.what)
+            simpler += [item for item in alike_too if item[-1].count < best[-1].count]
             for simple in simpler:
                 self.fits.weigh(best)
                 if not self.fits.pays(simple, best, self.clear):
@@ -145,7 +150,7 @@ class _Search:
     def settled(self, state: State) -> State:
         """The claims without those that are needless, each at the node that fits best."""
         self.fits.weigh(state)
-        return self._with_middles(self._all_placed(self._pruned(self._at_other_angles(state))))
+        return self._with_middles(_placed(self.fits, self._pruned(self._at_other_angles(state))))
 
     def _at_other_angles(self, state: State) -> State:
         """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
@@ -160,25 +165,24 @@ class _Search:
             return state
         rival = least_of([(*rest, held) for held in turned], self.fits.weighed_loss, 1.0)
         self.fits.weigh(rival)
-        plainer = bool(np.isfinite(self.fits.loss(rival))) and not self.fits.pays(rival, state, self.clear)
-        self.fits.weigh(rival if plainer else state)
-        return rival if plainer else state
+        if np.isfinite(self.fits.loss(rival)) and not self.fits.pays(rival, state, self.clear):
+            state = rival
+        self.fits.weigh(state)
+        return state
 
     def _of_everyone(self, state: State) -> State:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those
         of another: they are asked again as long as there are more.
         """
-        while True:
+        before: State | None = None
+        while state != before:
             before = state
             for claim in self.claims:
-                own = Claimed(claim, claim.nodes[0], self.fits.everyone)
-                held = any(item.claim is claim for item in state)
-                if not claim.everyone or held:
-                    continue
-                if self.fits.pays(self._needless(state, own), (*state, own), self.clear):
-                    state = (*state, own)
-            if state == before:
-                return state
+                if claim.everyone and all(item.claim is not claim for item in state):
+                    own = Claimed(claim, claim.nodes[0], self.fits.everyone)
+                    if self.fits.pays(self._needless(state, own), (*state, own), self.clear):
+                        state = (*state, own)
+        return state
 
     def regrouped(self, state: State) -> State:
         """The same claims with those parts of recordings that have them, where whole recordings had them before."""
@@ -186,17 +190,6 @@ class _Search:
             rest = tuple(other for other in state if other is not item)
             own = item.claim.everyone or item.claim.common or item.claim.whole
             state = state if own else (*rest, self._grown(rest, item))
-        return state
-
-    def placed(self, state: State) -> State:
-        """The same claims, each at the node that fits best."""
-        self.fits.weigh(state)
-        return self._all_placed(state)
-
-    def _all_placed(self, state: State) -> State:
-        for item in state:
-            others = tuple(other for other in state if other is not item)
-            state = tuple(at_best_node(self.fits, others, other) if other is item else other for other in state)
         return state
 
     def _is_the_machines(self, rest: State, held: Claimed) -> bool:
@@ -222,51 +215,45 @@ class _Search:
     def _common(self, state: State) -> list[Claimed]:
         """The claims that are not held of which all recordings have the same number, where that can be."""
         taken = {held.claim for held in state}
-        free = [claim for claim in self.claims if claim.common and claim not in taken]
-        held = [Claimed(claim, claim.nodes[0], self.all) for claim in free]
-        most = (1.0 - self.rules.least_share) * self.fits.loss(state) if held else 0.0
-        return [item for item in held if self.fits.loss((*state, item)) <= most]
+        free = [Claimed(c, c.nodes[0], self.all) for c in self.claims if c.common and c not in taken]
+        most = (1.0 - self.rules.least_share) * self.fits.loss(state)
+        return [item for item in free if self.fits.loss((*state, item)) <= most]
 
     def _promising(self, state: State) -> list[Claimed]:
         """The most promising recording and node of claims that are not held: the best few, and the best of each
         hypothesis, since how late a clock is shows only step by step.
         """
         taken = {held.claim for held in state}
-        if self.many < 2:
-            return []
         free = [item for item in self.claims if not (item.everyone or item.common or item in taken)]
-        nodes = [(claim, node) for claim in free for node in claim.nodes]
-        if not nodes:
+        if self.many < 2 or not free:
             return []
+        nodes = [(claim, node) for claim in free for node in claim.nodes]
         mixed = np.zeros((self.fits.rows[0].shape[2], len(nodes)))
         for c, (claim, node) in enumerate(nodes):
             mixed[self.fits.place[claim], c] = claim.mix(node)
         low, high = np.array([claim.bounds for claim, _ in nodes]).T
         # What one recording has less of all others have more of, where the model's own numbers hold what all have.
         low = np.where([claim.shared for claim, _ in nodes], -high, low)
-        sums, chosen = self.fits.sums(state), self.fits.chosen(state)
-        whole = sums.sum(axis=0)
+        whole = self.fits.sums(state).sum(axis=0)
+        columns = self.fits.grams @ mixed
+        products = np.swapaxes(self.fits.chosen(state), 1, 2)[:, None] @ columns
+        squares = np.sum(mixed * columns, axis=2)
         now = 0.0
         losses, numbers = np.zeros((2, self.many, len(nodes)))
-        solved = [self.fits.solved(whole[own]) for own in (0, 1)]
         for own, other in ((0, 1), (1, 0)):
-            step, inverse = solved[own]
+            step, inverse = self.fits.solved(whole[own])
             both = np.append(-step, 1.0)
             now += float(both @ whole[other] @ both)
-            for k in range(self.many):
-                fit, held = (chosen[k].T @ self.fits.grams[k, h] @ mixed for h in (own, other))
-                square = [
-                    np.einsum("dn,de,en->n", mixed, self.fits.grams[k, h], mixed, optimize=True) for h in (own, other)
-                ]
-                lean = inverse @ fit[:-1]
-                power = square[0] - np.sum(fit[:-1] * lean, axis=0)
-                seen = power > self.rules.negligible * square[0]
-                number = np.where(seen, (fit[-1] - step @ fit[:-1]) / np.where(seen, power, 1.0), 0.0)
-                moved = np.vstack([-(step[:, None] - lean * number), np.ones(len(nodes))])
-                left = np.einsum("qn,qr,rn->n", moved, whole[other], moved, optimize=True)
-                left += number**2 * square[1] - 2.0 * number * np.sum(moved * held, axis=0)
-                numbers[k] += number
-                losses[k] += np.where((low <= number) & (number <= high), left, np.inf)
+            by_model, by_left, square = products[:, own, :-1], products[:, own, -1], squares[:, own]
+            lean = inverse @ by_model
+            power = square - np.sum(by_model * lean, axis=1)
+            seen = power > self.rules.negligible * square
+            number = np.where(seen, (by_left - step @ by_model) / np.where(seen, power, 1.0), 0.0)
+            moved = np.insert(lean * number[:, None] - step[:, None], len(step), 1.0, axis=1)
+            left = np.sum(moved * (whole[other] @ moved), axis=1)
+            left += number**2 * squares[:, other] - 2.0 * number * np.sum(moved * products[:, other], axis=1)
+            numbers += number
+            losses += np.where((low <= number) & (number <= high), left, np.inf)
         best: list[tuple[float, Claimed]] = []
         for claim in free:
             mine = [c for c, (element, _) in enumerate(nodes) if element is claim]
@@ -286,8 +273,7 @@ class _Search:
         held, tried = at_best_node(self.fits, state, held), {held.groups}
         while True:
             now = self.fits.weighed_loss((*state, held))
-            others = [other for other in self._others(held) if other.groups not in tried]
-            if not others:
+            if not (others := [other for other in self._others(held) if other.groups not in tried]):
                 break
             tried.update(other.groups for other in others)
             best = at_best_node(self.fits, state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
@@ -300,9 +286,7 @@ class _Search:
         return held if held.claim.shared else self._fewest(state, held)
 
     def _fewest(self, state: State, held: Claimed) -> Claimed:
-        """A claim without the recordings that need no number of their own; where those that have none may have them
-        instead, the fewer.
-        """
+        """A claim without recordings that need no number, or turned to those that have none where these are fewer."""
         while len(held.groups) > 1:
             self.fits.weigh((*state, held))
             shorter = [tuple(group for group in held.groups if group is not out) for out in held.groups]
@@ -353,10 +337,10 @@ class _Search:
         recordings what was another number until a change is one from there on.
         """
         if not held.claim.everyone:
-            return self._all_placed(rest)
+            return _placed(self.fits, rest)
         alike = (held.claim.what, held.claim.place)
         turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
-        rivals = [self._all_placed(some) for some in dict.fromkeys((rest, turned))]
+        rivals = [_placed(self.fits, some) for some in dict.fromkeys((rest, turned))]
         return least_of(rivals, self.fits.loss, 1.0)
 
     def _turned(self, held: Claimed) -> Claimed:

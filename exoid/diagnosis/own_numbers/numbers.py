@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel, refitted
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Node, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
-from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State
+from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, Span, State, grouped, of_part
 from exoid.diagnosis.rules import Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
@@ -29,8 +30,6 @@ from exoid.symbolic.wording import called, number_of
 
 TIME = 1e-3
 """Part of the time between kept samples to which the moment of a change is found."""
-Span = tuple[float | None, float | None]
-"""From when and until when, s; None for the beginning and the end of a recording."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,19 +46,15 @@ class Belonging(AsJson):
     unit: str
     values: Mapping[str, Estimate]
     sentence: str
-    place: Estimate | None = None
-    spans: Mapping[str, Span] = field(default_factory=dict)
-    tell: Callable[[Mapping[str, Estimate]], str] = field(default=lambda values: "", repr=False)
+    place: Estimate | None
+    spans: Mapping[str, Span]
+    tell: Callable[[Mapping[str, Estimate]], str] = field(repr=False)
 
     def _json(self) -> dict[str, Any]:
         values = {name: {"value": e.value, "low": e.low, "high": e.high} for name, e in self.values.items()}
         out: dict[str, Any] = {
-            "what": self.what,
-            "joint": self.joint,
-            "unit": self.unit,
-            "values": values,
-            "sentence": self.sentence,
-        }
+            "what": self.what, "joint": self.joint, "unit": self.unit, "values": values, "sentence": self.sentence,
+        }  # fmt: skip
         if self.place is not None:
             out["place"] = self.place
         if self.spans:
@@ -100,10 +95,8 @@ class OwnNumbers:
         """The claims of which some recording's number is not the usual one, without recordings of which it may be; what
         each recording has is known of all.
         """
-        out, at = [], 0
-        for held, some in zip(self.held, self.of_each, strict=True):
-            mine = slice(at, at + len(held.groups))
-            at = mine.stop
+        out = []
+        for held, some, mine in zip(self.held, self.of_each, _slices(self.held), strict=True):
             sure = np.abs(self.numbers[mine]) > self.widths[mine]
             if len(held.claim.nodes) > 1:  # of a load another number may be told
                 values = [value for statement in some for value in statement.values.values()]
@@ -140,10 +133,9 @@ class OwnNumbers:
     @property
     def moved(self) -> tuple[Part, ...]:
         """The parts with the numbers by which their motion is another one; () where it is the recorded one."""
-        each = [list(self._of_part(j, self.numbers)) for j in range(len(self.parts))]
-        known = [{held.claim.key: number for held, number in own if held.claim.of_motion} for own in each]
-        pairs = zip(self.parts, known, strict=True)
-        return tuple(replace(part, known=own) for part, own in pairs) if any(known) else ()
+        each = [(part, of_part(self.held, self.numbers, j)) for j, part in enumerate(self.parts)]
+        known = [(part, {held.claim.key: x for held, x in own if held.claim.of_motion}) for part, own in each]
+        return tuple(replace(part, known=own) for part, own in known) if any(own for _, own in known) else ()
 
     def on_motion(self, prepared: Prepared) -> Prepared:
         """The recordings with the motion that their torques are of, and what stands out of these as spikes there: a
@@ -182,53 +174,40 @@ class OwnNumbers:
         """Return a recording with the motion that its torques are of: that of other times, or at other angles."""
         times, angles = one.motion.t.copy(), np.zeros(one.motion.q.shape)
         for j, half, numbers in self._halves(one, unseen=unseen):
-            for held, number in self._of_part(j, numbers):
+            for held, number in of_part(self.held, numbers, j):
                 if held.claim.turns is not None:
                     angles[:, held.claim.turns] += half * number
                 elif held.claim.moves:
-                    seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
-                    times += half * (held.claim.moves(replace(seen, number=number)) - one.motion.t)
+                    times += half * (held.claim.moves(replace(self._seen(one, j), number=number)) - one.motion.t)
         timed = one if np.array_equal(times, one.motion.t) else one.at_times(times)
         return timed.changed(motion=replace(timed.motion, q=timed.motion.q + angles)) if angles.any() else timed
 
     def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> Float:
-        """Torque (N, J) that belongs to a recording alone, whose motion is at the times of its torques; only what
-        drives bear where so asked.
-        """
+        """Torque (N, J) of a recording alone, its motion at the times of its torques; or what drives bear of it."""
         known = np.zeros(one.wide_tau.shape)
         for j, half, numbers in self._halves(one, unseen=unseen):
-            some = [(held, number) for held, number in self._of_part(j, numbers) if not held.claim.of_motion]
-            some = [(held, number) for held, number in some if held.claim.borne or not borne]
-            if some:
-                seen = seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
-                known += half[:, None] * _added(seen, some).T
+            own = (entry for entry in of_part(self.held, numbers, j) if not entry[0].claim.of_motion)
+            if some := [(held, x) for held, x in own if held.claim.borne or not borne]:
+                known += half[:, None] * _added(self._seen(one, j), some).T
         return known
 
     def _halves(self, one: PreparedRecording, *, unseen: bool) -> Iterator[tuple[int, Float, Float]]:
-        """Yield the parts (index) of a recording by halves, with how much (N,) of each sample lies there and the
-        numbers (C,) by which it is judged.
-        """
+        """Yield halves of the parts (index) of a recording: how much (N,) of each sample is there, and numbers (C,)."""
         t = one.motion.t
         for j, part in enumerate(self.parts):
             whole = self.now.prepared.all[part.recording]
-            if whole.name == one.name and any(j in group for held in self.held for group in held.groups):
+            if whole.name == one.name and any(j in group for _, group in grouped(self.held)):
                 inside = part.share(t, self.now.prepared)
                 early = t < whole.t[(part.start + part.stop) // 2]
-                first, second = self.judged[j] if unseen else [self.numbers, self.numbers]
-                yield j, inside * early, first
-                yield j, inside * ~early, second
+                for half, within in enumerate((early, ~early)):
+                    yield j, inside * within, self.judged[j, half] if unseen else self.numbers
 
     def torque(self, one: PreparedRecording, j: int) -> Float:
         """Torque (J, N) that belongs to a part of a recording, before the filter."""
-        shape = self.now.shapes[self.parts[j].recording]
-        return _added(seen_before_filter(self.now, one, self.linear, shape), self._of_part(j, self.numbers))
+        return _added(self._seen(one, j), of_part(self.held, self.numbers, j))
 
-    def _of_part(self, j: int, numbers: Float) -> Iterator[tuple[Claimed, float]]:
-        """Yield what is held of a part, with its number among `numbers` (C,)."""
-        groups = [(held, group) for held in self.held for group in held.groups]
-        for (held, group), number in zip(groups, numbers.tolist(), strict=True):
-            if j in group:
-                yield held, number
+    def _seen(self, one: PreparedRecording, j: int) -> Seen:
+        return seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
 
     def agrees(self, other: OwnNumbers) -> bool:
         """True if another look finds the same in the same recordings, within its intervals; where that multiplies or
@@ -268,36 +247,32 @@ def _added(seen: Seen, some: Iterable[tuple[Claimed, float]]) -> Float:
 
 def with_numbers(fits: Fits, state: State) -> OwnNumbers:
     """The claims that are held with their numbers and intervals."""
-    which = np.ones((len(fits.rows), 2))
-    step = fits.fitted(state, which)
+    step = fits.together(state)
     judged = np.zeros((len(fits.rows), 2, len(step) - fits.count))
     for j, half in np.ndindex(len(fits.rows), 2):
-        if any(j in group for held in state for group in held.groups):
-            others = which.copy()
-            others[j, half] = 0.0
-            judged[j, half] = fits.fitted(state, others)[fits.count :]
+        if any(j in group for _, group in grouped(state)):
+            judged[j, half] = fits.together(state, (j, half))[fits.count :]
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
-    widths = np.array([spread.number(k) for k in range(len(numbers))])
+    widths = spread.width[fits.count : len(step)]
     own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
     if any(part.known for part in fits.parts):  # there, the numbers are what is left of them
-        groups = [(held.claim, fits.parts[group[0]].known) for held in state for group in held.groups]
+        groups = [(held.claim, fits.parts[group[0]].known) for held, group in grouped(state)]
         known = np.array([before.get(claim.key, 0.0) if claim.of_motion else 0.0 for claim, before in groups])
-        numbers = numbers + known
-        own = replace(own, numbers=numbers, judged=judged + known)
+        own = replace(own, numbers=numbers + known, judged=judged + known)
     else:
         own = replace(own, parts=tuple(replace(part, cut=_cut(fits, own, step, part)) for part in fits.parts))
-    told, at = [], 0
-    for held in state:
-        many = len(held.groups)
-        told.append(tuple(_told(fits, own.parts, held, numbers[at : at + many], spread, at)))
-        at += many
-    return replace(own, of_each=tuple(told))
+    each = zip(state, _slices(state), strict=True)
+    return replace(own, of_each=tuple(tuple(_told(fits, own, held, spread, mine)) for held, mine in each))
+
+
+def _slices(state: State) -> list[slice]:
+    """The places of each claim's numbers among all (C,)."""
+    ends = np.cumsum([0, *(len(held.groups) for held in state)]).tolist()
+    return [slice(*both) for both in pairwise(ends)]
 
 
 def _cut(fits: Fits, own: OwnNumbers, step: Float, part: Part) -> float | None:
-    """Time in s at which the recording of a part changes, between the kept samples next to its cut; None where it is
-    whole.
-    """
+    """Time in s at which a recording changes, between the kept samples next to its cut; None where it is whole."""
     if part.whole:
         return None
     recording, before, after = fits.now.prepared.all[part.recording], *fits.everyone[part.recording]
@@ -325,10 +300,6 @@ class Spread:
     count: int
     places: Mapping[Claim, slice]
 
-    def number(self, at: int) -> float:
-        """Half-width of an own number."""
-        return float(self.width[self.count + at])
-
     def place(self, claim: Claim, node: Node) -> tuple[Estimate, Float]:
         """Distance of a load from its joint, m, and the direction (D,) there, without what no motion shows of it."""
         rows = self.places[claim]
@@ -341,40 +312,40 @@ class Spread:
 
     def load(
         self, claim: Claim, node: Node, number: float, at: int, rules: Rules
-    ) -> tuple[list[float], Float, str, Estimate | None]:
-        """Half-width, value and unit of a load, and its place where that is known; where nobody can tell its mass, of
-        its first moment or inertia, without a place.
+    ) -> tuple[Float, Float, str, Estimate | None]:
+        """Value (1,), half-width (1,) and unit of a load, and its place where that is known; where nobody can tell its
+        mass, of its first moment or inertia, without a place.
         """
         place, toward = self.place(claim, node)
-        width = self.number(at)
+        width = float(self.width[self.count + at])
         if width <= rules.half * number or not place.value:
             known = place.high - place.value <= rules.half * place.value
-            return [width], np.array([number]), claim.unit, place if known else None
+            return np.array([number]), np.array([width]), claim.unit, place if known else None
         rows, far = np.r_[self.count + at, self.places[claim]], place.value
         both, told = self.matrix[np.ix_(rows, rows)], []
         for power, unit in ((1, "kg·m"), (2, "kg·m²")):
             slope = np.append(far**power, power * number * far ** (power - 1) * toward)
             half = self.critical * float(np.sqrt(max(float(slope @ both @ slope), 0.0)))
-            told.append((half / (number * far**power), half, number * far**power, unit))
-        _, width, value, unit = least_of(told, lambda one: one[0], 1.0)
-        return [width], np.array([value]), unit, None
+            told.append((number * far**power, half, unit))
+        value, width, unit = least_of(told, lambda one: one[1] / one[0], 1.0)
+        return np.array([value]), np.array([width]), unit, None
 
 
 def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     """Uncertainty of numbers and places, valid under autocorrelation."""
     left = fits.left_by(state, [step, step])
     sigma = pooled_scale(list(zip(left, fits.use, strict=True)))
-    groups = [(held, group) for held in state for group in held.groups]
-    slopes = []
-    for c, (held, group) in enumerate(groups):
-        if len(held.claim.nodes) > 1:
-            slopes.append((held.claim, group, step[fits.count + c] * held.turn))
-    columns = []
-    by_model = fits.slopes(state, step[fits.count :])
-    for j, (rows, chosen) in enumerate(zip(fits.rows, fits.chosen(state), strict=True)):
+    groups, numbers = grouped(state), step[fits.count :]
+    slopes = [
+        (held.claim, group, number * held.turn)
+        for (held, group), number in zip(groups, numbers, strict=True)
+        if len(held.claim.nodes) > 1
+    ]
+    columns, each = [], zip(fits.rows, fits.chosen(state), fits.slopes(state, numbers), strict=True)
+    for j, (rows, chosen, by_model) in enumerate(each):
         own = [rows[:, :, fits.place[claim]] @ turn * (j in group) for claim, group, turn in slopes]
         both = rows @ chosen[:, :-1]
-        both[:, :, : by_model[j].shape[2]] += by_model[j]
+        both[:, :, : by_model.shape[2]] += by_model
         columns.append(np.concatenate([both, *own], axis=2))
     recordings = np.repeat([part.recording for part in fits.parts], [column.shape[1] for column in columns])
     found = covariance(
@@ -390,19 +361,16 @@ def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     return Spread(found.matrix, found.critical, widths, fits.count, places)
 
 
-def _told(
-    fits: Fits, parts: Sequence[Part], held: Claimed, numbers: Float, spread: Spread, at: int
-) -> list[Belonging]:
-    """Statements of a claim about whole recordings, about what comes before a change, and after one: each by itself."""
+def _told(fits: Fits, own: OwnNumbers, held: Claimed, spread: Spread, mine: slice) -> list[Belonging]:
+    """Statements of a claim, whose numbers are `mine`, on whole recordings, before a change and after one: one each."""
     claim, prepared = held.claim, fits.now.prepared
-    known = [spread.number(at + k) for k in range(len(numbers))]
-    unit, place = claim.unit, None
+    numbers, widths, unit, place = own.numbers[mine], own.widths[mine], claim.unit, None
     if len(claim.nodes) > 1:
-        known, numbers, unit, place = spread.load(claim, held.node, float(numbers[0]), at, fits.rules)
+        numbers, widths, unit, place = spread.load(claim, held.node, float(numbers[0]), mine.start, fits.rules)
     told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
-    for group, x, w in zip(held.groups, claim.usual + numbers, known, strict=True):
+    for group, x, w in zip(held.groups, claim.usual + numbers, widths, strict=True):
         for j in group:
-            part = parts[j]
+            part = own.parts[j]
             halved = not part.whole and not all(i in group for i in fits.everyone[part.recording])
             kind = "whole" if not halved else "until" if part.start == 0 else "from"
             values, spans = told.setdefault(kind, ({}, {}))

@@ -28,16 +28,12 @@ class Claimed:
 
     claim: Claim
     node: Node
-    groups: tuple[tuple[int, ...], ...]
+    groups: tuple[Group, ...]
 
     @property
     def count(self) -> int:
         """Numbers that tell it in one group: of what has a place, what shows of that place, too."""
         return 1 + (int(self.turn.any(axis=0).sum()) if len(self.claim.nodes) > 1 else 0)
-
-    def is_plainer(self, other: Claimed) -> bool:
-        """True if it says what another does, in fewer numbers."""
-        return self.claim.what == other.claim.what and self.count < other.count
 
     @property
     def along(self) -> float | Vector:
@@ -54,6 +50,10 @@ class Claimed:
 
 
 State = tuple[Claimed, ...]
+Group = tuple[int, ...]
+"""Parts of recordings (indices) that share a number."""
+Span = tuple[float | None, float | None]
+"""From when and until when, s; None for the beginning and the end of a recording."""
 
 STEP = 1e-4
 """m by which a place is moved for a derivative: inertias are squares of it, of which the difference is exact."""
@@ -65,13 +65,22 @@ differs.
 """
 
 
+def grouped(state: State) -> list[tuple[Claimed, Group]]:
+    """Each claim with each of its groups, in the order of their numbers (C,)."""
+    return [(held, group) for held in state for group in held.groups]
+
+
+def of_part(state: State, numbers: Float, j: int) -> list[tuple[Claimed, float]]:
+    """Claims that hold of a part (index), each with its number among `numbers` (C,)."""
+    return [(held, x) for (held, group), x in zip(grouped(state), numbers.tolist(), strict=True) if j in group]
+
+
 def state_columns(now: FittedModel) -> tuple[StateColumn, ...]:
     """Further columns that all recordings have and that say in what state the machine was: they change, and slowly."""
     first, *others = [item.logged for item in now.prepared.all]
-    joints = now.model.joints
     out = []
     for name in (name for name in first if all(name in logged for logged in others)):
-        every = [first[name], *(logged[name] for logged in others)]
+        every = [logged[name] for logged in (first, *others)]
         if len({item.unit for item in every}) > 1:
             continue
         values = np.concatenate([item.values for item in every])
@@ -80,7 +89,7 @@ def state_columns(now: FittedModel) -> tuple[StateColumn, ...]:
         noise = float(np.median([item.noise for item in every]))
         if not noise < QUIET * values.std() or (within < QUIET * (high - low) and len(every) < STATES):
             continue
-        named = joints_of(name, joints)
+        named = joints_of(name, now.model.joints)
         joint = min(named) - 1 if len(named) == 1 else None
         out.append(StateColumn(name, first[name].unit, 0.5 * (low + high), 0.5 * (high - low), joint))
     return tuple(out)
@@ -110,15 +119,14 @@ class Part:
         """True if it is all of the recording."""
         return self.stop - self.start == self.samples
 
-    def span(self, prepared: Prepared) -> tuple[float | None, float | None]:
+    def span(self, prepared: Prepared) -> Span:
         """From when and until when it lasts, in s of the recording's own time; None for its beginning and end."""
         times = prepared.all[self.recording].t
-
-        def time(k: int) -> float | None:
-            at = float(times[k]) if self.cut is None and 0 < k < self.samples else self.cut
-            return at if 0 < k < self.samples else None
-
-        return time(self.start), time(self.stop)
+        start, stop = (
+            (float(times[k]) if self.cut is None else self.cut) if 0 < k < self.samples else None
+            for k in (self.start, self.stop)
+        )
+        return start, stop
 
     def share(self, t: Float, prepared: Prepared) -> Float:
         """Part (N,) of each sample at times `t` that lies in it: 0 or 1, but where it begins or ends."""
@@ -130,9 +138,6 @@ class Part:
 
 def parts_of(blocks: Sequence[RecordingEvidence], cuts: Cuts) -> tuple[Part, ...]:
     """Parts of all recordings, in order: two of those that are cut."""
-    out = []
-    for k, block in enumerate(blocks):
-        many = block.residual.shape[1]
-        ends = [0, *([cuts[k]] if k in cuts else []), many]
-        out += [Part(k, a, b, many) for a, b in pairwise(ends)]
-    return tuple(out)
+    samples = [block.residual.shape[1] for block in blocks]
+    ends = [(0, cuts[k], many) if k in cuts else (0, many) for k, many in enumerate(samples)]
+    return tuple(Part(k, a, b, many) for k, many in enumerate(samples) for a, b in pairwise(ends[k]))

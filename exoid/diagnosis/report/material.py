@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,20 +13,19 @@ if TYPE_CHECKING:
 
 FALLING = "The error falling"
 """Title of the figure that every result with steps draws."""
-NOTHING: Mapping[str, str] = MappingProxyType({})
 FOLDERS = re.compile(r"""(?<![\w.~/\\])(?:/|[A-Za-z]:[/\\]+)(?:[^\s/\\:"'<>]+[/\\]+)+""")
 """The folders of an absolute path, up to the name of the file."""
 MOST_NAMED = 4
 """Recordings whose names stand below the title; of more their number is told."""
 WIDE = 6.5
 """Inches from which on a figure does not share its row with another."""
-
-
 NOTHING_HELD_OUT = (
     "Nothing is held out: these errors are on the motion that was fitted, and say little about any other. "
     "Name a recording that is not fitted with --verify."
 )
 """What is said where no recording is verified."""
+Context = Mapping[str, Any] | None
+"""What the template of a section shows; None where the section has nothing to say."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +65,7 @@ class Material:
     pictures: tuple[Picture, ...] = ()
     truth: str = ""
     command: str = ""
-    settings: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    settings: Mapping[str, str] = field(default_factory=dict)
     seconds: float | None = None
     payload: Any = None
     made: date = field(default_factory=date.today)
@@ -95,18 +93,12 @@ def pictures_of(*results: Any, section: str = "") -> tuple[Picture, ...]:
 
     The falling error goes to its own section, which shows it as bars that fit a phone.
     """
-    found = []
-    for result in results:
-        if result is not None and hasattr(result, "figures"):
-            for title, alt, figure in result.figures():
-                found.append(Picture(title, alt, figure, "falling" if title == FALLING else section))
-    return tuple(found)
-
-
-def before_and_after(comparison: Any, after: Any) -> tuple[Picture, ...]:
-    """Return the picture for the top of the page: measured, the model of a Comparison, and the one that came of it."""
-    title, alt, figure = comparison.before_and_after(after)
-    return (Picture(title, alt, figure, "verdict"),)
+    return tuple(
+        Picture(title, alt, figure, "falling" if title == FALLING else section)
+        for result in results
+        if hasattr(result, "figures")
+        for title, alt, figure in result.figures()
+    )
 
 
 def picture_of_fit(fit: Any) -> Picture:

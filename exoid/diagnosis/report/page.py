@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -15,22 +17,12 @@ from exoid.diagnosis.report.material import Material, Picture, without_folders
 from exoid.ground.figures import colour_rules, png_of_uri, to_uris
 from exoid.ground.folder import with_apps
 from exoid.ground.output import make_folder, write_bytes, write_text
+from exoid.ground.plain import AsJson
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
 FOLDER = Path(__file__).parent
-
-
-@dataclass(frozen=True)
-class PageSection:
-    """A section as it stands in the page; one that is not `open` shows its title until it is clicked."""
-
-    id: str
-    title: str
-    html: str
-    open: bool
-    appendix: bool
 
 
 def find_sections() -> tuple[ModuleType, ...]:
@@ -39,17 +31,14 @@ def find_sections() -> tuple[ModuleType, ...]:
     return tuple(sorted(found, key=lambda section: (section.ORDER, section.__name__)))
 
 
-def render_report(material: Material) -> str:
-    """Return the page as HTML text."""
-    return _page(material, _drawn(material.pictures))
-
-
-def _page(material: Material, drawn: Mapping[Picture, tuple[str, str]]) -> str:
+def render_report(material: Material, drawn: Mapping[Picture, tuple[str, str]] | None = None) -> str:
+    """Return the page as HTML text; its pictures may be `drawn` already."""
     from markupsafe import Markup, escape
 
+    uris = _drawn(material.pictures) if drawn is None else drawn
     templates = environment()
-    templates.filters["uri"] = lambda picture: escape(drawn[picture][0])  # no text for people
-    blocks: list[PageSection] = []
+    templates.filters["uri"] = lambda picture: escape(uris[picture][0])  # no text for people
+    blocks: list[dict[str, Any]] = []
     for section in find_sections():
         context = section.context(material)
         if context is None:
@@ -59,12 +48,15 @@ def _page(material: Material, drawn: Mapping[Picture, tuple[str, str]]) -> str:
         # The answer and, without a diagnosis, what it rests on; one screen that is not lost among proofs and settings.
         shown = len(blocks) < (1 if material.diagnosis is not None else 2)
         appendix = getattr(section, "APPENDIX", False) and bool(blocks) and material.diagnosis is not None
-        blocks.append(PageSection(name, section.TITLE, Markup(html), shown, appendix))  # escaped by its own template
+        blocks.append(
+            # `html` is escaped by its own template; what is not `open` shows its title until it is clicked.
+            {"id": name, "title": section.TITLE, "html": Markup(html), "open": shown, "appendix": appendix}
+        )
     # Style and script are ours and contain no text from outside.
     style = Markup(report_style())
     script = Markup((FOLDER / "page.js").read_text("utf-8"))
     page = templates.get_template("page.html")
-    blocks.sort(key=lambda block: block.appendix)
+    blocks.sort(key=lambda block: bool(block["appendix"]))
     return page.render(material=material, blocks=blocks, style=style, script=script)
 
 
@@ -77,7 +69,7 @@ def write_report(material: Material, folder: str | Path) -> Path:
     """Write `report.html`, and its figures as PNG beside it, into `folder`; return the path of the page."""
     target = make_folder(folder)
     drawn = _drawn(material.pictures)
-    page = write_text(target / "report.html", _page(material, drawn))
+    page = write_text(target / "report.html", render_report(material, drawn))
     if drawn:
         figures = make_folder(target / "figures")
         for index, (picture, (_, png)) in enumerate(drawn.items(), start=1):
@@ -87,8 +79,6 @@ def write_report(material: Material, folder: str | Path) -> Path:
 
 def _drawn(pictures: Sequence[Picture]) -> dict[Picture, tuple[str, str]]:
     """Every picture as two data URIs, as it stands in a page and as PNG."""
-    if not pictures:
-        return {}
     return {picture: to_uris(picture.figure) for picture in pictures}
 
 
@@ -123,5 +113,16 @@ def _for_others(value: Any) -> Any:
 
 def figure_file_name(title: str) -> str:
     """Return a title as a file name."""
-    kept = "".join(c if c.isascii() and c.isalnum() else "-" for c in title.lower())
-    return "-".join(part for part in kept.split("-") if part)[:60] or "figure"
+    return re.sub("[^a-z0-9]+", "-", title.lower()).strip("-")[:60] or "figure"
+
+
+class Reported(AsJson):
+    """A result that writes its report."""
+
+    @abstractmethod
+    def material(self) -> Material:
+        """Material that the report draws on, the recordings apart."""
+
+    def report(self, folder: str | Path = "exoid-report") -> Path:
+        """Write the report into `folder`, made where there is none; return its path. OutputError where it cannot be."""
+        return write_report(replace(self.material(), payload=self.to_json()), folder)

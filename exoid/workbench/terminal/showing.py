@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from exoid.diagnosis.report.cells import error_sizes
 from exoid.diagnosis.report.material import NOTHING_HELD_OUT
 from exoid.diagnosis.report.sections.verdict import term
+from exoid.diagnosis.report.wording import error_sizes
 from exoid.diagnosis.sureness import meanings_of
 from exoid.ground.text import digits
 from exoid.symbolic.wording import added_said, the_joint

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.measurement.finding import alike_findings, more_files
 
 TITLE = "Recordings and their audit"
@@ -13,7 +10,7 @@ ORDER = 80
 APPENDIX = True
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return one row per recording, and each kind of finding once."""
     if not material.recordings:
         return None

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 
 TITLE = "Which numbers can I trust?"
 ORDER = 62
 APPENDIX = True
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return parameter times recording, and what to record where they contradict each other."""
     found = material.by_recording
     if found is None or len(found.recordings) < 2:

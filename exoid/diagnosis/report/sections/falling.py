@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.diagnosis.report.sections.verdict import title
 from exoid.symbolic.wording import added_said
 
@@ -15,13 +15,17 @@ TITLE = "The falling error"
 ORDER = 20
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the bars of each joint and the same numbers as a table."""
     fall, kinds = material.fall, ("fitted", "unseen")
     if fall is None:
         return None
+    none = [None] * len(fall.joints)
     words = [added_said(step.label, partial(title, model=material.model)) for step in fall.steps]
-    sizes = [[_of_joint(step, j) for j in range(len(fall.joints))] for step in fall.steps]
+    sizes = [
+        [*zip(map(float, step.train_rms), none if step.verify_rms is None else step.verify_rms, strict=True)]
+        for step in fall.steps
+    ]
     return {
         "joints": [_bars(fall, j, words, [own[j] for own in sizes]) for j in range(len(fall.joints))],
         "head": ("model", *(f"{joint}, {kind} [{fall.unit}]" for joint in fall.joints for kind in kinds)),
@@ -31,11 +35,6 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "ending": fall.stopped_because if material.diagnosis is not None else "",  # of models given nothing stopped
         "unit": fall.unit,
     }
-
-
-def _of_joint(step: Any, j: int) -> tuple[float, float | None]:
-    """Return the error of a joint on fitted and on unseen motion."""
-    return float(step.train_rms[j]), None if step.verify_rms is None else float(step.verify_rms[j])
 
 
 def _bars(fall: Any, j: int, words: Sequence[str], sizes: Sequence[tuple[float, float | None]]) -> Mapping[str, Any]:

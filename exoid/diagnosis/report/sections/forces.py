@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 
 TITLE = "Measured forces"
 ORDER = 32
 APPENDIX = True
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return a row per force; None where the model has none."""
     found = material.comparison or material.diagnosis
     if found is None or not found.forces:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.diagnosis.report.effects import said_of
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.diagnosis.report.sections.verdict import term
+from exoid.diagnosis.report.wording import said_of
 
 TITLE = "Look-alikes"
 ORDER = 45
@@ -15,7 +15,7 @@ APPENDIX = True
 MOST = 5
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return one entry per accepted effect, and per leading suspect that has look-alikes; None where nothing leads."""
     if material.diagnosis is None:
         return None

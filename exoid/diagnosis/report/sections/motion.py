@@ -5,35 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.diagnosis.report.cells import share
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
+from exoid.diagnosis.report.wording import share
 
 TITLE = "The motion to record"
 ORDER = 12
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the tables of a design or of a separating experiment; None for other results."""
     found = material.payload
-    if not isinstance(found, Mapping):
+    tables = {"exoid.design/1": _design, "exoid.separation/1": _separation}
+    if not isinstance(found, Mapping) or found.get("schema") not in tables:
         return None
-    if found.get("schema") == "exoid.design/1":
-        return {"kind": "design", **_shown(material), **_limits(found), **_design(found)}
-    if found.get("schema") == "exoid.separation/1":
-        return {"kind": "separation", **_shown(material), **_limits(found), **_separation(found)}
-    return None
-
-
-def _shown(material: Material) -> Mapping[str, Any]:
-    return {"pictures": material.pictures_in("motion")}
-
-
-def _limits(found: Mapping[str, Any]) -> Mapping[str, Any]:
-    rows = [
+    limits = [
         (f"{limit['joint']} {limit['quantity']}", limit["low"], limit["high"], *limit["limit"], limit["unit"])
         for limit in found["limits"]
     ]
-    return {"limit_head": ("", "lowest", "highest", "limit", "limit", "unit"), "limit_rows": rows}
+    return {
+        **tables[found["schema"]](found),
+        "limit_head": ("", "lowest", "highest", "limit", "limit", "unit"),
+        "limit_rows": limits,
+        "pictures": material.pictures_in("motion"),
+    }
 
 
 def _design(found: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -42,6 +36,7 @@ def _design(found: Mapping[str, Any]) -> Mapping[str, Any]:
         for name, p in found["precision"].items()
     ]
     return {
+        "kind": "design",
         "head": ("number", "assumed", "standard deviation", "unit", "relative"),
         "rows": rows,
         "duration": found["duration"],
@@ -58,6 +53,7 @@ def _separation(found: Mapping[str, Any]) -> Mapping[str, Any]:
         for k, element in enumerate(found["apart"])
     ]
     return {
+        "kind": "separation",
         "head": ("true", "fitted", "designed", "at random", "present recordings"),
         "rows": rows,
         "duration": found["duration"],

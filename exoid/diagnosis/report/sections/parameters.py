@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.symbolic.wording import number_of
 
 TITLE = "Parameters"
@@ -13,7 +10,7 @@ ORDER = 60
 APPENDIX = True
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the estimates and the findings on their plausibility."""
     fit = material.fit
     if fit is None:
@@ -26,10 +23,6 @@ def context(material: Material) -> Mapping[str, Any] | None:
     return {
         "head": ("parameter", "meaning", "value", "unit", "95 % from", "to"),
         "rows": rows,
-        "findings": [(str(f.severity), _text(f), f.remedy) for f in fit.plausibility],
+        "findings": [(str(f.severity), ": ".join(filter(None, (f.where, f.what))), f.remedy) for f in fit.plausibility],
         "best_known": bool(fit.best_known),
     }
-
-
-def _text(finding: Any) -> str:
-    return f"{finding.where}: {finding.what}" if finding.where else str(finding.what)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 
 TITLE = "Proof of the optimum"
 ORDER = 70
 APPENDIX = True
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the certificate, and the gap of each optimiser and of IPOPT where they ran."""
     fit = material.fit
     if fit is None or not fit.runs:

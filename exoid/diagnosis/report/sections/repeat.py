@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
-from typing import Any
 
-from exoid.diagnosis.report.material import Material, without_folders
+from exoid.diagnosis.report.material import Context, Material, without_folders
 from exoid.ground.output import json_text
 from exoid.ground.version import versions
 
@@ -14,7 +12,7 @@ TITLE = "To repeat this"
 ORDER = 90
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return command, settings, model and versions."""
     from markupsafe import Markup
 

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
-from exoid.diagnosis.report.cells import share
-from exoid.diagnosis.report.effects import said_of
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
 from exoid.diagnosis.report.sections.verdict import term, title
 from exoid.diagnosis.report.sections.where import words
+from exoid.diagnosis.report.wording import said_of, share
 from exoid.diagnosis.sureness import meanings_of
 from exoid.ground.text import without_empty
 
@@ -18,11 +14,13 @@ ORDER = 40
 MOST = 10
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the ranking and what is left unexplained."""
     if material.diagnosis is None:
         return None
-    found = material.diagnosis.to_json()
+    found, joints = material.diagnosis.to_json(), material.diagnosis.joints
+    left = found.get("unexplained") or {"significant": False}
+    variables = [words(name, joints) for name in left.get("variables", ())]
     rows = [
         (
             place,
@@ -49,10 +47,5 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "meanings": meanings_of(degrees - {material.diagnosis.sureness}),  # that one stands at the top of the page
         "pictures": material.pictures_in("suspects"),
         "more": max(0, len(found["suspects"]) - MOST),
-        "unexplained": _unexplained(found.get("unexplained") or {"significant": False}, material.diagnosis.joints),
+        "unexplained": {"suggested_toml": [], **left, "variables": variables},
     }
-
-
-def _unexplained(told: Mapping[str, Any], joints: Sequence[str]) -> Mapping[str, Any]:
-    """Remainder that no effect explains, with its variables in words."""
-    return {"suggested_toml": [], **told, "variables": [words(name, joints) for name in told.get("variables", ())]}

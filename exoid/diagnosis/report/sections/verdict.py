@@ -7,9 +7,10 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from exoid.diagnosis.report.effects import effect_of, said_of, torque
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
+from exoid.diagnosis.report.wording import effect_of, said_of
 from exoid.diagnosis.sureness import meanings_of
+from exoid.symbolic.formula import formula
 from exoid.symbolic.wording import number_said, title_of
 
 TITLE = "Answer"
@@ -26,12 +27,13 @@ WORDS = {
 """The verdict in a word or two; what is told of it is the headline of the answer."""
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return verdict, sentences, accepted effects and the next experiment."""
     found = material.diagnosis
     if found is None and not material.answer:
         return None
     said = {} if found is None else found.to_json()
+    next_experiment = "" if found is None else str(found.next_experiment or "")
     words = "" if found is None else WORDS.get(found.verdict, found.verdict)
     headline = "" if found is None else found.headline.removeprefix("Found: ").removeprefix(f"{words}: ")
     return {
@@ -44,7 +46,8 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "rule": "" if found is None else found.rule,
         "accepted": [accepted_entry(item, material.model) for item in said.get("accepted", ())],
         "possible": [f"{title(term(p), material.model)}: {p['reason']}" for p in said.get("possible", ())],
-        "next_experiment": [] if found is None else commands_in(str(found.next_experiment or "")),
+        # in parts: words, a command, words, a command, ...
+        "next_experiment": [part for part in COMMAND.split(next_experiment) if part is not None],
         "biased": [] if found is None else list(found.biased),
         "of_recordings": [entry["sentence"] for entry in said.get("of_recordings", ())],
         "ending": "" if found is None else found.stopped_because,
@@ -54,16 +57,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
     }
 
 
-def commands_in(text: str) -> list[str]:
-    """The text in parts: words, a command, words, a command, ..."""
-    return [part for part in COMMAND.split(text) if part is not None]
-
-
 def tiles(material: Material) -> list[Mapping[str, Any]]:
     """Return per joint the error before and after the steps (unseen motion where there is some), and the floor, N·m."""
-    if material.fall is None:
+    if (fall := material.fall) is None:
         return []
-    fall = material.fall
     first, last = fall.steps[0], fall.steps[-1]
     return [
         {
@@ -81,11 +78,14 @@ def tiles(material: Material) -> list[Mapping[str, Any]]:
 def accepted_entry(one: Mapping[str, Any], model: Any) -> Mapping[str, Any]:
     """Return an accepted effect of the JSON with what the catalogue says about it."""
     name = term(one)
+    effect = effect_of(name, model)
+    torques = {} if effect is None else formula(effect)
     alike = {key: [title(other, model) for other in one.get(key) or ()] for key in ("look_alikes", "never_separable")}
     return {
         "stability": "", "sureness": "", **one, **alike, "term": name, "title": title(name, model),
-        "meaning": said_of(name, model), "torque": torque(name, model),
-        "numbers": numbers(one.get("parameters") or {}, effect_of(name, model)),
+        "meaning": said_of(name, model),
+        "torque": "; ".join(f"{joint}: {text}" if joint else text for joint, text in torques.items()),
+        "numbers": numbers(one.get("parameters") or {}, effect),
     }  # fmt: skip
 
 

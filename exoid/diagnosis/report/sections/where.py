@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from exoid.diagnosis.evidence.curves import variables
-from exoid.diagnosis.report.cells import error_sizes, share
-from exoid.diagnosis.report.material import Material
+from exoid.diagnosis.report.material import Context, Material
+from exoid.diagnosis.report.wording import error_sizes, share
 from exoid.ground.text import without_empty
 from exoid.symbolic.joints import Joint
 
@@ -15,7 +14,7 @@ TITLE = "Where the model fails"
 ORDER = 30
 
 
-def context(material: Material) -> Mapping[str, Any] | None:
+def context(material: Material) -> Context:
     """Return the size of the error per joint and the places where it is largest."""
     found = material.comparison
     if found is None:

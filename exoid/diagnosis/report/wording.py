@@ -1,9 +1,12 @@
-"""Tables of a report: cells whose text is not the number they are sorted by, and the size of the error."""
+"""Cells of tables, and effects in words: what several sections of a report say alike."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
+
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.effect_catalogue import every_effect
 
 
 def share(value: float | None, form: str = ".0f") -> dict[str, Any] | None:
@@ -24,3 +27,18 @@ def error_sizes(found: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
     rows = zip(found.joints, *columns.values(), strict=True)
     head = ["joint", *(f"{word} [{found.unit}]" for word in columns)]
     return head, [(joint, *(None if x is None else float(x) for x in values)) for joint, *values in rows]
+
+
+def effect_of(name: str, model: Any) -> Effect | None:
+    """Return the effect of "stribeck:knee", one of the user's own in `model` first; None for an unknown name."""
+    id = name.partition(":")[0]
+    own = [*getattr(model, "custom", ()), *(getattr(t, "effect", None) for t in getattr(model, "terms", ()))]
+    found = next((item for item in own if isinstance(item, Effect) and item.id == id), None)
+    return found or every_effect().get(id)
+
+
+def said_of(name: str, model: Any, what: str = "explains") -> str:
+    """Return the sentence of the catalogue for a technician, or of "tells_apart" the look-alikes and the experiment
+    that distinguishes them; "" for an unknown name.
+    """
+    return str(getattr(effect_of(name, model), what, ""))
