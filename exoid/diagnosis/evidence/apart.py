@@ -64,9 +64,7 @@ def odd_ones(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
     return plain
 
 
-def left_out(
-    base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES
-) -> tuple[dict[int, Apart], float]:
+def left_out(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[dict[int, Apart], float]:
     """Those of the recordings `odd` (indices) that the model found for the others does not explain either, with the
     reason to leave them out; and the share that numbers of their own explain, of the one of which that is least.
     """

@@ -265,7 +265,7 @@ def _beyond_curves(base: FittedModel, x: Float, acts: list[NDArray[np.bool_]], r
     moved[: len(x)] = x - base.linear
     left, whole = np.zeros((2, count))
     for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
-        k, weight = evidence.unit(unit)
+        k, weight = evidence.units[unit]
         there = (weight > 0.0) & acts[k][base.prepared.all[k].kept]
         left += np.sum(evidence.left(k, step, curves[k], coefficients) ** 2 * there, axis=1)
         whole += np.sum(evidence.left(k, moved) ** 2 * there, axis=1)

@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.gram import Gram
+from exoid.diagnosis.evidence.gram import RIDGE, Gram
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import TIED, least_of
@@ -153,7 +153,7 @@ def _nothing(columns: Sequence[Columns]) -> list[Columns]:
     return [Columns(c.joints, np.zeros_like(c.values)) for c in columns]
 
 
-def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
     """Return the held-out loss of a candidate in strides, or blocks of time, over all units of all splits."""
     return np.asarray(joint_losses(evidence, grams, columns, ridge).sum(axis=0))
 
@@ -162,13 +162,13 @@ def joint_losses(
     evidence: Evidence,
     grams: Gram,
     columns: Sequence[Columns],
-    ridge: float | None = None,
+    ridge: float = RIDGE,
     seconds: float | None = None,
 ) -> Float:
     """Return that loss joint by joint (J, blocks)."""
     out, seconds = [], evidence.rules.block_seconds if seconds is None else seconds
     for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
-        index, weight = evidence.unit(unit)
+        index, weight = evidence.units[unit]
         loss = weight * evidence.left(index, step, columns[index], coefficients) ** 2
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)
         blocks = np.searchsorted(evidence.blocks[index].starts(seconds), live, side="right")

@@ -47,9 +47,7 @@ def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
     return common + [PlaceboSearch(group, True) for group in score.candidate.groups]
 
 
-def as_good(
-    evidence: Evidence, score: Score, columns: Sequence[Columns], search: PlaceboSearch
-) -> np.ndarray:
+def as_good(evidence: Evidence, score: Score, columns: Sequence[Columns], search: PlaceboSearch) -> np.ndarray:
     """Mask (draws,) of the placebos of a candidate that gain as much as it does, in a part of the search.
 
     One with a forbidden sign would not have been accepted either.
@@ -73,7 +71,7 @@ def as_good(
         for piece in pieces:
             nodes = (evidence.shifted(some, v, by=[e[piece] for e in different]) for v in range(len(search.nodes)))
             grams = Gram.stacked(nodes, len(search.nodes))
-            out.append(exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams)))))
+            out.append(exceed(evidence.pick(grams, own_nodes(evidence, candidate, grams))))
         return np.concatenate(out)[back]
     good = np.zeros(len(different[0]), dtype=bool)
     for v in range(len(search.nodes)):

@@ -75,9 +75,7 @@ def power_of(
     """
     present = {term.name for term in fitted.model.terms}
     made = evidence_on(simulated, evidence)
-    found = [
-        _power(item, fitted, evidence, library, made) for item in library.candidates if item.name not in present
-    ]
+    found = [_power(item, fitted, evidence, library, made) for item in library.candidates if item.name not in present]
     return tuple(entry for entry in found if entry is not None)
 
 

@@ -15,6 +15,7 @@ from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import RIDGE
 from exoid.diagnosis.evidence.look_alikes import refine
 from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from exoid.diagnosis.evidence.score import weigh
@@ -33,7 +34,7 @@ class BetterCurve:
 
     columns: tuple[Columns, ...]
     data: CurveData
-    ridge: float | None
+    ridge: float
     share: float
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
@@ -69,9 +70,7 @@ def beaten(
     return next((curve for curve in better if curve.supersedes(term)), None)
 
 
-def _better_curves(
-    now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns]
-) -> Iterator[BetterCurve]:
+def _better_curves(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns]) -> Iterator[BetterCurve]:
     """Yield the smooth curves that clearly explain more than a term, common to all recordings or one in each."""
     rules, place = evidence.rules, now.model.joint_names.index(joint)
     for own in (False, True):
@@ -104,7 +103,7 @@ def _better_bumps(
         if several:
             score, best = refine(evidence, score, now)
         if score.share > least:
-            yield BetterCurve(tuple(best), common, None, score.share)
+            yield BetterCurve(tuple(best), common, RIDGE, score.share)
 
 
 def _bumps(now: FittedModel, joint: str) -> list[Candidate]:

@@ -18,7 +18,7 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.curves import Splines, may_move, splines_along, tried_curves, variables
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.gram import Gain
+from exoid.diagnosis.evidence.gram import RIDGE, Gain
 from exoid.diagnosis.evidence.look_alikes import block_losses
 from exoid.diagnosis.plots import curve
 from exoid.diagnosis.rules import RULES, Rules
@@ -175,16 +175,16 @@ class CurveData:
         """Loss on held-out units without any curve."""
         return sum(float(part.fold_losses.sum()) for part in self.parts[parts])
 
-    def gains(self, columns: Sequence[Columns], ridge: float | None) -> list[Gain]:
+    def gains(self, columns: Sequence[Columns], ridge: float) -> list[Gain]:
         """Gain of columns (one node) by each evidence."""
         return [part.gain(part.plain(some), ridge) for part, some in self.of(columns)]
 
-    def share(self, columns: Sequence[Columns], ridge: float | None = None) -> float:
+    def share(self, columns: Sequence[Columns], ridge: float = RIDGE) -> float:
         """Share of the loss on held-out units of what is fitted that columns (one node) explain."""
         falls = [float(part.gain(part.plain(some), ridge).total[0]) for part, some in self.of(columns)[: self.fitted]]
         return sum(falls) / self.loss(slice(self.fitted))
 
-    def losses(self, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+    def losses(self, columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
         """Losses with columns (one node) in blocks of time, on all that is held out."""
         every = self.of(columns)[: self.fitted]
         return np.concatenate([block_losses(part, part.plain(some), some, ridge) for part, some in every])

@@ -104,9 +104,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         text = "the model's own parameters already contain it, on this motion"
         if alive.any():
             text = "dry or viscous friction of its joint would be negative beside it"
-        return Score(
-            candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text
-        )
+        return Score(candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text)
     best: tuple[np.ndarray, Gain] | None = None
     wrong, whole = 0.0, float(evidence.fold_losses.sum())
     for nodes, gain in _choices(evidence, candidate, grams, possible):
@@ -155,13 +153,14 @@ def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Fl
         if len(found) == len(columns):
             train = found[: len(evidence.train)]
             whole, seen = (np.sum([np.trace(p.square[k], axis1=1, axis2=2) for p in train], axis=0) for k in (-2, -1))
-            grams = Gram.summed(
-                np.concatenate([p.both for p in found]), np.concatenate([p.square[: len(p.both)] for p in found])
-            )
-            return grams, _share_active(evidence, [p.largest for p in train], whole, seen)
+            active = _share_active(evidence, [p.largest for p in train], whole, seen)
+            both = np.concatenate([p.both for p in found]).transpose(0, 3, 2, 1)
+            square = np.concatenate([p.square[: len(p.both)] for p in found]).transpose(0, 2, 3, 1)
+            return Gram(np.concatenate([both, square], axis=1)), active
     parts = [[c.some(piece) for c in columns] for piece in columns[0].pieces]
     pieces = [(evidence.plain(part), _active(evidence, part)) for part in parts]
-    return Gram.joined([gram for gram, _ in pieces]), np.concatenate([share for _, share in pieces])
+    grams = Gram(np.concatenate([gram.rows for gram, _ in pieces], axis=-1))
+    return grams, np.concatenate([share for _, share in pieces])
 
 
 def harmless(rules: Rules, gains: Float) -> bool:
@@ -197,8 +196,11 @@ def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.nd
 
 def _friction_is_possible(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
     """Mask (V,) of the nodes beside which the friction that a candidate bends stays positive."""
-    friction = evidence.friction_beside(grams, candidate.term.first) if candidate.term.effect.bends_friction else None
-    return np.ones(grams.rows.shape[-1], dtype=bool) if friction is None else np.all(friction >= 0.0, axis=0)
+    if evidence.friction is None or not candidate.term.effect.bends_friction:
+        return np.ones(grams.rows.shape[-1], dtype=bool)
+    (first, numbers), joint = evidence.friction, candidate.term.first
+    place = first + 2 * joint
+    return np.all(numbers[joint][:, None] + evidence.step_beside(grams)[place : place + 2] >= 0.0, axis=0)
 
 
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:

@@ -58,22 +58,22 @@ class Splits:
     def __init__(self, evidence: Evidence) -> None:
         self.held_out = splits_of(len(evidence.blocks), len(evidence.verify), evidence.rules)
         self.evidence, self.rules = evidence, evidence.rules
-        held = np.array([np.isin(evidence.of, k) for k in self.held_out], dtype=bool).reshape(-1, evidence.count)
+        held = np.array([np.isin(evidence.of, k) for k in self.held_out], dtype=bool).reshape(-1, len(evidence.units))
         self.fits, self.unseen = evidence.fits(~held), evidence.held_out(held)
         self.losses = self.unseen.loss(self.fits.step[:, :, None])[:, 0]
 
     @cached_property
     def _pooled(self) -> Fits:
         """The model fitted to everything."""
-        return self.evidence.fits(np.ones((1, self.evidence.count)))
+        return self.evidence.fits(np.ones((1, len(self.evidence.units))))
 
     def candidate(self, score: Score, columns: Sequence[Columns]) -> Agreement:
         """Return in how many splits the candidate of `score`, with its columns (one node), helps."""
         if not self.held_out:
             return self._agreement(np.zeros((0, 3)), {})
-        grams, ridge = self.evidence.plain(columns), self.evidence.ridge()
-        pooled = self._pooled.candidate(grams, ridge)[0][0, :, 0]
-        own, step, _ = self.fits.candidate(grams, ridge)
+        grams = self.evidence.plain(columns)
+        pooled = self._pooled.candidate(grams)[0][0, :, 0]
+        own, step, _ = self.fits.candidate(grams)
         gain = self.losses - self.unseen.loss_beside(grams, own, step)[:, 0]
         right = admissible(score.candidate, own[:, :, 0], self.rules)
         # What the fitted ones show of it: its fall there, the model's own numbers fitted to the same.
@@ -91,8 +91,7 @@ class Splits:
         rivals, gains = (fitted.model, fitted.model.without(name)), []
         recordings = fitted.prepared.all
         weights = [np.zeros(block.residual.shape) for block in self.evidence.blocks]
-        for unit in range(self.evidence.count):
-            index, weight = self.evidence.unit(unit)
+        for index, weight in self.evidence.units:
             weights[index] += weight
         for held in self.held_out:
             kept, unseen = (tuple(p for k, p in enumerate(recordings) if (k in held) == out) for out in (False, True))
