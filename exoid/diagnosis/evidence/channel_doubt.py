@@ -53,7 +53,7 @@ def variance_known(recordings: Sequence[PreparedRecording]) -> Float:
 
 
 def mean_square_known(rows: Sequence[Float], recordings: Sequence[PreparedRecording]) -> Float:
-    """Return the mean square (J,) of `rows` (J, K) of recordings where torques of drives are known; NaN where none is."""
+    """Return the mean square (J,) of `rows` (J, K) of recordings where torques of drives are known, NaN where none."""
     return _means([row**2 for row in rows], recordings)
 
 

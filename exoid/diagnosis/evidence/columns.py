@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.measurement.signals.butterworth import WaveProducts
 from exoid.symbolic.joints import LEG
 from exoid.symbolic.motion import Float
-
-AT_ONCE = 32
-"""Nodes of late columns that are computed at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,58 +64,6 @@ class Columns:
     def some(self, nodes: slice | np.ndarray) -> Columns:
         """Return the columns of some nodes."""
         return Columns(self.joints, self.values[nodes])
-
-
-class LateColumns(Columns):
-    """Columns at `nodes` (V, S), so many that some of them are computed when they are asked for: memory for all takes
-    longer to get than they take to be computed.
-
-    `at` gives the columns (V, A, K, m) at some nodes, `sums` the products of those at all of them with weights (U, A,
-    K) and weighted signals (S, A, K, Q), where these are to be had without the columns; None elsewhere.
-    """
-
-    def __init__(
-        self,
-        joints: tuple[int, ...],
-        nodes: Float,
-        at: Callable[[Float], Float],
-        sums: Callable[[Float, Float], WaveProducts | None],
-    ) -> None:
-        for name, value in (("joints", joints), ("nodes", nodes), ("at", at), ("sums", sums)):
-            object.__setattr__(self, name, value)
-
-    nodes: Float
-    at: Callable[[Float], Float]
-    sums: Callable[[Float, Float], WaveProducts | None]
-
-    @property
-    def values(self) -> Float:
-        """The columns of all nodes."""
-        return self.at(self.nodes)
-
-    @property
-    def pieces(self) -> list[slice]:
-        """The nodes in pieces that are worth having at once."""
-        return [slice(at, at + AT_ONCE) for at in range(0, len(self.nodes), AT_ONCE)]
-
-    @property
-    def is_absent(self) -> bool:
-        """True if it is known not to act on this recording."""
-        return False
-
-    def some(self, nodes: slice | np.ndarray) -> Columns:
-        """Return the columns of some nodes; of all of them, these."""
-        if isinstance(nodes, slice) and nodes == slice(None):
-            return self
-        return Columns(self.joints, self.at(self.nodes[nodes]))
-
-    def products(self, weights: Float, signals: Float) -> tuple[Float, Float]:
-        """Return the products, as for any columns."""
-        if (found := self.sums(weights[None], signals[None])) is not None:
-            return found.both[0], found.square[0]
-        parts = [self.some(piece).products(weights, signals) for piece in self.pieces]
-        both, square = (np.concatenate(each) for each in zip(*parts, strict=True))
-        return both, square
 
 
 def stacked(parts: Sequence[Sequence[Columns]], joints: int) -> list[Columns]:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.candidates import Candidate
-from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.candidates import Candidate, LateColumns
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import ABSORBED, Gain, Gram
 from exoid.diagnosis.rules import Rules
