@@ -10,6 +10,9 @@ import numpy as np
 from exoid.symbolic.joints import LEG
 from exoid.symbolic.motion import Float
 
+AT_ONCE = 100_000
+"""Values of columns that are looked at in one piece: so many stay in a processor's cache."""
+
 
 @dataclass(frozen=True, eq=False)
 class Columns:
@@ -26,7 +29,8 @@ class Columns:
     @property
     def pieces(self) -> list[slice]:
         """The nodes in pieces that are worth having at once."""
-        return [slice(0, len(self.values))]
+        some = max(1, AT_ONCE // max(1, self.values[0].size))
+        return [slice(at, at + some) for at in range(0, len(self.values), some)]
 
     @property
     def is_absent(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,67 +18,41 @@ TOGETHER = 40_000
 """Nodes times placebos whose sums are held at once: of an arm, 5 kB each."""
 
 
-@dataclass(frozen=True, eq=False)
-class PlaceboSearch:
-    """A part of a placebo's search: the `nodes` that are tried, and whether each recording chooses `own` among them."""
-
-    nodes: np.ndarray
-    own: bool
-
-
 def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Score:
-    """Return `score` with its p-value."""
-    found = [as_good(evidence, score, columns, part) for part in searches(evidence, score)]
-    return replace(score, p_value=p_value(evidence, found))
-
-
-def p_value(evidence: Evidence, found: Sequence[np.ndarray]) -> float:
-    """Return the share of placebos that gain as much as a candidate, `found` (draws,) in each part of the search."""
-    return (1 + int(np.count_nonzero(np.any(found, axis=0)))) / (1 + evidence.draws)
-
-
-def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
-    """Return the parts of the search that placebos of a candidate go through."""
-    nodes, most = score.candidate.common, evidence.rules.placebo_nodes
-    if nodes.size > most:
-        nodes = np.union1d(nodes[:: int(np.ceil(nodes.size / most))], score.nodes[:1])
-    parts = np.array_split(nodes, max(1, -(-nodes.size // AT_ONCE)))
-    common = [PlaceboSearch(part, False) for part in parts if part.size]
-    return common + [PlaceboSearch(group, True) for group in score.candidate.groups]
-
-
-def as_good(evidence: Evidence, score: Score, columns: Sequence[Columns], search: PlaceboSearch) -> np.ndarray:
-    """Mask (draws,) of the placebos of a candidate that gain as much as it does, in a part of the search.
-
-    One with a forbidden sign would not have been accepted either.
+    """Return `score` with its p-value: the share of placebos that gain as much, the candidate itself counted among
+    them. One with a forbidden sign would not have been accepted either.
     """
     candidate, rules = score.candidate, evidence.rules
     seen = score.share * float(evidence.fold_losses.sum())
     if seen <= 0.0:  # a placebo that gains nothing is as good
-        return np.ones(evidence.draws, dtype=bool)
-    some = [
-        _telegraph(c.some(search.nodes), rules.telegraph * block.rate, r)
-        for r, (c, block) in enumerate(zip(columns, evidence.blocks, strict=True))
-    ]
+        return replace(score, p_value=1.0)
+    different, back = evidence.different_shifts
+    good = np.zeros(len(different[0]), dtype=bool)
+
+    def shifted(nodes: np.ndarray) -> list[Columns]:
+        return [
+            _telegraph(c.some(nodes), rules.telegraph * block.rate, r)
+            for r, (c, block) in enumerate(zip(columns, evidence.blocks, strict=True))
+        ]
 
     def exceed(grams: Gram) -> np.ndarray:
         return evidence.exceed(grams, seen, lambda values: admissible(candidate, values, rules))
 
-    different, back = evidence.different_shifts
-    if search.own:
-        many = -(-len(search.nodes) * len(different[0]) // TOGETHER)
-        pieces, out = np.array_split(np.arange(len(different[0])), max(1, many)), []
-        for piece in pieces:
-            nodes = (evidence.shifted(some, v, by=[e[piece] for e in different]) for v in range(len(search.nodes)))
-            grams = Gram.stacked(nodes, len(search.nodes))
-            out.append(exceed(evidence.pick(grams, own_nodes(evidence, candidate, grams))))
-        return np.concatenate(out)[back]
-    good = np.zeros(len(different[0]), dtype=bool)
-    for v in range(len(search.nodes)):
-        if not (left := np.flatnonzero(~good)).size:
-            break
-        good[left] = exceed(evidence.shifted(some, v, trained=True, by=[entry[left] for entry in different]))
-    return good[back]
+    common = candidate.common
+    if common.size > rules.placebo_nodes:
+        common = np.union1d(common[:: int(np.ceil(common.size / rules.placebo_nodes))], score.nodes[:1])
+    for nodes in filter(len, np.array_split(common, -(-common.size // AT_ONCE) or 1)):
+        some = shifted(nodes)
+        for v in range(len(nodes)):
+            if (left := np.flatnonzero(~good)).size:
+                good[left] = exceed(evidence.shifted(some, v, trained=True, by=[each[left] for each in different]))
+    for nodes in candidate.groups:
+        some, left = shifted(nodes), np.flatnonzero(~good)
+        for piece in filter(len, np.array_split(left, -(-len(nodes) * left.size // TOGETHER) or 1)):
+            each = (evidence.shifted(some, v, by=[each[piece] for each in different]) for v in range(len(nodes)))
+            grams = Gram.stacked(each, len(nodes))
+            good[piece] = exceed(evidence.pick(grams, own_nodes(evidence, candidate, grams)))
+    return replace(score, p_value=(1 + int(np.count_nonzero(good[back]))) / (1 + evidence.draws))
 
 
 def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:

@@ -18,19 +18,14 @@ from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import clearly_helps, placed, refine
-from exoid.diagnosis.evidence.placebo import as_good, p_value, searches
+from exoid.diagnosis.evidence.placebo import placebo
 from exoid.diagnosis.evidence.score import Score, harmless, weigh
 from exoid.diagnosis.evidence.stability import Splits
 from exoid.ground.progress import Progress, silent
 from exoid.ground.ties import ascending
 
 
-def rank(
-    evidence: Evidence,
-    library: Library,
-    fitted: FittedModel,
-    tick: Progress = silent,
-) -> list[Score]:
+def rank(evidence: Evidence, library: Library, fitted: FittedModel, tick: Progress = silent) -> list[Score]:
     """Return all candidates, best first: weighed, the promising ones with placebos and significance."""
     present = {term.name for term in fitted.model.terms}
     todo = [c for c in library.candidates if c.name not in present]
@@ -45,11 +40,7 @@ def rank(
 
 
 def weigh_all(
-    evidence: Evidence,
-    library: Library,
-    fitted: FittedModel,
-    todo: Sequence[Candidate],
-    tick: Progress = silent,
+    evidence: Evidence, library: Library, fitted: FittedModel, todo: Sequence[Candidate], tick: Progress = silent
 ) -> tuple[list[Score], dict[str, tuple[Columns, ...]]]:
     """The candidates `todo` weighed, without placebos, and their columns."""
     scores, columns = [], {}
@@ -61,16 +52,12 @@ def weigh_all(
 
 
 def with_chance(
-    evidence: Evidence,
-    scores: Sequence[Score],
-    columns: Mapping[str, Sequence[Columns]],
-    tick: Progress = silent,
+    evidence: Evidence, scores: Sequence[Score], columns: Mapping[str, Sequence[Columns]], tick: Progress = silent
 ) -> list[Score]:
     """`scores` with their p-values."""
     out = []
     for k, score in enumerate(scores, start=1):
-        found = [as_good(evidence, score, columns[score.name], part) for part in searches(evidence, score)]
-        out.append(replace(score, p_value=p_value(evidence, found)))
+        out.append(placebo(evidence, score, columns[score.name]))
         tick(k / len(scores), score.name)
     return out
 

@@ -20,8 +20,6 @@ from exoid.symbolic.motion import Float
 
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
-AT_ONCE = 100_000
-"""Values of columns that are looked at in one piece."""
 TOGETHER = 10_000
 """Nodes times placebos that are fitted at once: more need memory, and wait for it."""
 
@@ -205,18 +203,10 @@ def _friction_is_possible(evidence: Evidence, candidate: Candidate, grams: Gram)
 
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
     """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
-    train = columns[: len(evidence.train)]
-    nodes = len(train[0].values)
-    some = max(1, AT_ONCE * nodes // max(1, sum(c.values.size for c in train)))  # so many stay in a processor's cache
-    parts = [[Columns(c.joints, c.values[at : at + some]) for c in train] for at in range(0, nodes, some)]
-    return np.concatenate([_active_nodes(evidence, part) for part in parts])
-
-
-def _active_nodes(evidence: Evidence, train: Sequence[Columns]) -> Float:
     largest: list[Float] = []
     whole: Float = np.zeros(())
     seen = whole
-    for c, block in zip(train, evidence.train, strict=True):
+    for c, block in zip(columns, evidence.train, strict=False):  # strictly the first, which are fitted
         nodes, count, samples, width = c.values.shape
         if c.is_absent:
             largest.append(np.zeros((nodes, samples)))
