@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.gram import RIDGE, Gram
+from exoid.diagnosis.evidence.gram import RIDGE
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import TIED, least_of
@@ -71,11 +71,6 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
     return best, columns
 
 
-def placed(candidate: Candidate) -> bool:
-    """True if a candidate sits at a place of its own, beside which its nodes may lie."""
-    return any(s.per_recording and s.spacing == "position" for s in candidate.term.placed_shape.values())
-
-
 def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:
     """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
     return [
@@ -87,29 +82,26 @@ def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list
 def _one_node(
     evidence: Evidence, candidate: Candidate, chosen: Float, columns: Sequence[Columns], before: Score
 ) -> Score:
-    single = replace(candidate, nodes=chosen[:, None, :])
-    found = weigh(evidence, single, columns)
+    found = weigh(evidence, replace(candidate, nodes=chosen[:, None, :]), columns)
     known = {name: getattr(before, name) for name in ("p_value", "significant", "caution", "agreement")}
     return replace(found, **known)
 
 
 def look_alikes(
-    evidence: Evidence,
-    best: tuple[Score, list[Columns]],
-    rivals: Sequence[tuple[Score, list[Columns]]],
+    evidence: Evidence, best: tuple[Score, list[Columns]], rivals: Sequence[tuple[Score, list[Columns]]]
 ) -> dict[str, float]:
     """Return the rivals whose held-out loss is not clearly larger than that of the best, and their lag behind it.
 
     The lag is in standard errors of the difference; 0 is a tie. A rival that still gains beside the best one is no
     look-alike but another effect, and so is one that leaves the error of the best one's joints: `leaves_joints`.
     """
-    by_joint, without = (joint_losses(evidence, evidence.plain(some), some) for some in (best[1], _nothing(best[1])))
+    by_joint, without = (joint_losses(evidence, some) for some in (best[1], _nothing(best[1])))
     reference = by_joint.sum(axis=0)
     out: dict[str, float] = {}
     for score, columns in rivals:
         if gains_beside(evidence, best, score, columns):
             continue
-        loss = joint_losses(evidence, evidence.plain(columns), columns)
+        loss = joint_losses(evidence, columns)
         behind = lag(loss.sum(axis=0), reference)
         practically = score.share >= evidence.rules.practically * best[0].share
         elsewhere = leaves_joints(loss, by_joint, without, best[0].candidate, evidence.rules)
@@ -144,8 +136,7 @@ def clearly_helps(evidence: Evidence, columns: Sequence[Columns], cutoff: float)
     some periods of the band of `cutoff` Hz scatter.
     """
     seconds = min(evidence.rules.block_seconds, PERIODS / cutoff)
-    tried = (_nothing(columns), columns)
-    each = [joint_losses(evidence, evidence.plain(some), some, seconds=seconds) for some in tried]
+    each = [joint_losses(evidence, some, seconds=seconds) for some in (_nothing(columns), columns)]
     return lag(*(loss.sum(axis=0) for loss in each)) >= evidence.rules.clear
 
 
@@ -153,21 +144,14 @@ def _nothing(columns: Sequence[Columns]) -> list[Columns]:
     return [Columns(c.joints, np.zeros_like(c.values)) for c in columns]
 
 
-def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
-    """Return the held-out loss of a candidate in strides, or blocks of time, over all units of all splits."""
-    return np.asarray(joint_losses(evidence, grams, columns, ridge).sum(axis=0))
-
-
 def joint_losses(
-    evidence: Evidence,
-    grams: Gram,
-    columns: Sequence[Columns],
-    ridge: float = RIDGE,
-    seconds: float | None = None,
+    evidence: Evidence, columns: Sequence[Columns], ridge: float = RIDGE, seconds: float | None = None
 ) -> Float:
-    """Return that loss joint by joint (J, blocks)."""
+    """Return the held-out loss beside a candidate's columns (one node) joint by joint in strides, or blocks of time,
+    over all units of all splits (J, blocks).
+    """
     out, seconds = [], evidence.rules.block_seconds if seconds is None else seconds
-    for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
+    for unit, step, coefficients in evidence.held_out_fits(evidence.plain(columns), ridge):
         index, weight = evidence.units[unit]
         loss = weight * evidence.left(index, step, columns[index], coefficients) ** 2
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)

@@ -74,7 +74,7 @@ def _better_curves(now: FittedModel, evidence: Evidence, joint: str, term: Seque
     """Yield the smooth curves that clearly explain more than a term, common to all recordings or one in each."""
     rules, place = evidence.rules, now.model.joint_names.index(joint)
     for own in (False, True):
-        data = curve_data_per_recording(now, evidence) if own else _on_all(evidence)
+        data = curve_data_per_recording(now, evidence) if own else CurveData((evidence,))
         mine, losses = data.share(term), data.losses(term)
         for variable, factor in tried_curves(now.model.joints):
             if own and not may_move(variable, factor):
@@ -91,7 +91,7 @@ def _better_bumps(
     now: FittedModel, evidence: Evidence, bumps: Sequence[Candidate], term: Sequence[Columns], *, several: bool
 ) -> Iterator[BetterCurve]:
     """Yield the single bumps that explain clearly more than a term, or than `several` practically as much."""
-    common, rules = _on_all(evidence), evidence.rules
+    common, rules = CurveData((evidence,)), evidence.rules
     least = (rules.practically if several else 1.0 / rules.most) * common.share(term)
     for candidate in bumps:
         columns = [
@@ -142,8 +142,4 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
 
 def explained_share(evidence: Evidence, columns: Sequence[Columns]) -> float:
     """Return the share of the loss on held-out units of all recordings that columns (one node) explain."""
-    return _on_all(evidence).share(columns)
-
-
-def _on_all(evidence: Evidence) -> CurveData:
-    return CurveData((evidence,), 1)
+    return CurveData((evidence,)).share(columns)

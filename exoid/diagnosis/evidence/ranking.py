@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
-from exoid.diagnosis.evidence.look_alikes import clearly_helps, placed, refine
+from exoid.diagnosis.evidence.look_alikes import clearly_helps, refine
 from exoid.diagnosis.evidence.placebo import placebo
 from exoid.diagnosis.evidence.score import Score, harmless, weigh
 from exoid.diagnosis.evidence.stability import Splits
@@ -80,7 +80,9 @@ def agreed(
         if score.share >= rules.least_share:
             best = [c.node(int(n)) for c, n in zip(columns[score.name], score.nodes, strict=True)]
             agreement = splits.candidate(score, best)
-            if fitted is not None and placed(score.candidate) and not agreement.enough(rules):
+            shapes = score.candidate.term.placed_shape.values()
+            placed = any(shape.per_recording and shape.spacing == "position" for shape in shapes)
+            if fitted is not None and placed and not agreement.enough(rules):
                 agreement = splits.candidate(*refine(evidence, score, fitted))
             steady = score.steady if agreement.share is None else agreement.enough(rules)
             if len(evidence.blocks) == 1 and fitted is not None:  # no splits: the scatter over its blocks has to tell

@@ -13,9 +13,8 @@ from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.proxies import BetterCurve, beaten, explained_share
-from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
+from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant, suggest
 from exoid.diagnosis.evidence.score import Score
-from exoid.diagnosis.evidence.suggestions import suggest
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext, as_fitted
 from exoid.diagnosis.search.state import Extension, State
