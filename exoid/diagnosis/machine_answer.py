@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from exoid.diagnosis.doubts import doubts_after
-from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
+from exoid.diagnosis.evidence.score import Agreement
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.question import Question, Searched
 from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.evidence.score import Agreement, Score
 from exoid.diagnosis.evidence.stability import splits_of
 from exoid.diagnosis.question import Question
 from exoid.diagnosis.results import Possible

@@ -124,25 +124,25 @@ class LateColumns(Columns):
     """
 
     def __init__(self, candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> None:
-        vars(self).update(joints=candidate.joints, candidate=candidate, nodes=nodes, one=one, fitted=fitted)
+        vars(self).update(joints=candidate.joints, candidate=candidate, nodes=nodes, recording=one, fitted=fitted)
 
     candidate: Candidate
     nodes: Float
-    one: PreparedRecording
+    recording: PreparedRecording
     fitted: FittedModel
 
     @cached_property
     def _unfiltered(self) -> Callable[[Float], Float]:
-        return _unfiltered_columns(self.candidate, self.nodes, self.one, self.fitted)
+        return _unfiltered_columns(self.candidate, self.nodes, self.recording, self.fitted)
 
     def _at(self, nodes: Float) -> Float:
         """Return the filtered columns (V, A, K, m) at some nodes."""
         shape = len(nodes), self.candidate.width, len(self.joints)
-        values = np.empty((*shape, len(self.one.kept)))
-        parts = -(-math.prod(shape) * len(self.one.motion) // TOGETHER)
+        values = np.empty((*shape, len(self.recording.kept)))
+        parts = -(-math.prod(shape) * len(self.recording.motion) // TOGETHER)
         for some in np.array_split(np.arange(len(nodes)), min(len(nodes), parts)):
             raw = np.ascontiguousarray(np.swapaxes(self._unfiltered(nodes[some]), 1, 2))
-            self.one.smooth_rows(raw, self.joints, 2, values[some[0] : some[-1] + 1])
+            self.recording.smooth_rows(raw, self.joints, 2, values[some[0] : some[-1] + 1])
         return np.moveaxis(values, 1, 3)
 
     @property
@@ -173,7 +173,7 @@ class LateColumns(Columns):
         waves = self._unfiltered
         if not isinstance(waves, Waves):
             return None
-        return self.one.wave_products(waves, self.nodes, self.joints, weights, signals)
+        return self.recording.wave_products(waves, self.nodes, self.joints, weights, signals)
 
     def products(self, weights: Float, signals: Float) -> tuple[Float, Float]:
         """Return the products, as for any columns."""
