@@ -35,7 +35,6 @@ from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, is_spatial
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
-from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 TIMES: Threshold = 3.0
@@ -104,18 +103,26 @@ class Intermittent:
 @dataclass(frozen=True, eq=False)
 class _View:
     """A recording before the common filter: columns (J, N, P), torque (J, N) without what is known, both over the noise
-    of a sample, and which samples (J, N) are `seen`.
+    of a sample, `scale` (J, 1) N·m, and which samples (J, N) are `seen`; windows are `length` samples long, the link
+    above the last one `reach` m.
     """
 
     recording: PreparedRecording
     columns: Float
     tau: Float
+    scale: Float
     seen: NDArray[np.bool_]
     length: int
+    joints: tuple[Joint, ...]
+    reach: float
 
-    def windows(self) -> Windows:
-        motion = self.recording.motion
-        return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
+    def pushed(self, there: NDArray[np.intp], way: Float, reach: float) -> Float:
+        """Return the torques (K, J) that one newton one `way`, forwards and upwards, asks for `reach` m along the last
+        link, at the samples `there` (K,).
+        """
+        motion, force = self.recording.motion, Force("foot", self.joints[-1].name, ("grf_x", "grf_z"))
+        base = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
+        return pushed_torques(self.joints, motion.q[there], force, reach, np.tile(way, (len(there), 1)), base)
 
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
@@ -126,7 +133,7 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         return None
     sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
     views = [_view(base, index, sample) for index in range(len(base.prepared.all))]
-    parts = [view.windows() for view in views]
+    parts = [windows_of(v.columns, v.tau, v.recording.motion.q, v.recording.motion.dq, v.seen, v.length) for v in views]
     windows = joined(parts)
     found = _quiet_part(windows, rules)
     if found is None:
@@ -141,9 +148,10 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
     rest = [view.tau - view.columns @ x for view in views]
-    weight = [(sample * np.sqrt(0.5 * view.recording.rate))[:, None] for view in views]
-    own = [part * w for part, w in zip(rest, weight, strict=True)]
-    force, foot = _force(base, views, own, acts), _foot(base, views, acts, rules)
+    own = [part * view.scale for part, view in zip(rest, views, strict=True)]
+    joints, force, foot = views[0].joints, "", ""
+    if len(joints) > 1 and joints[-1].turns and not is_spatial(joints):
+        force, foot = _force(views, own, acts), _foot(views, acts, rules)
     far = rules.near_noise * float(np.sqrt(level))
     if not (force or foot) or np.any(_rms(views, rest, acts) < far):
         # What is now large and now small has no quiet part: windows are of two kinds where it has, and three quarters
@@ -171,12 +179,16 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
 
 def _view(base: FittedModel, index: int, sample: Float) -> _View:
     recording, (columns, known) = base.prepared.all[index], base.unfiltered(index)
-    weight = 1.0 / (sample * np.sqrt(0.5 * recording.rate))[:, None]
+    scale = (sample * np.sqrt(0.5 * recording.rate))[:, None]
+    weight = 1.0 / scale
     seen = ~recording.hidden.T
     edge = int(EDGE * recording.rate)
     seen[:, :edge] = seen[:, len(recording.motion) - edge :] = False
     tau = (recording.wide_tau.T - known) * weight
-    return _View(recording, columns * weight[:, :, None], tau, seen, max(1, round(WINDOW * recording.rate)))
+    length = max(1, round(WINDOW * recording.rate))
+    joints = placed_joints(base.model)
+    reach = joints[-2:][0].length or base.model.thigh_length
+    return _View(recording, columns * weight[:, :, None], tau, scale, seen, length, joints, reach)
 
 
 def _quiet_part(windows: Windows, rules: Rules) -> tuple[Float, NDArray[np.bool_]] | None:
@@ -301,20 +313,13 @@ def _phase(base: FittedModel, views: list[_View], episodes: list[NDArray[np.int_
     return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
 
 
-def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:
+def _foot(views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:
     """Direction in which a foot on the last link moves while it acts and not otherwise, in words; "" for none."""
-    joints = placed_joints(base.model)
-    if len(joints) < 2 or not joints[-1].turns or is_spatial(joints):
-        return ""
-    reach = joints[-2].length or base.model.thigh_length
-    at = Force("foot", joints[-1].name, ("grf_x", "grf_z"))
     speeds, on = [], []
     for view, act in zip(views, acts, strict=True):
-        motion, there = view.recording.motion, view.seen.all(axis=0)
-        sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
-        forwards = np.tile((1.0, 0.0), (int(there.sum()), 1))
-        asked = pushed_torques(joints, motion.q[there], at, reach, forwards, sway)
-        speeds.append(-np.sum(asked * motion.dq[there], axis=1))  # what one newton forwards works at
+        there = np.flatnonzero(view.seen.all(axis=0))
+        asked = view.pushed(there, np.array([1.0, 0.0]), view.reach)
+        speeds.append(-np.sum(asked * view.recording.motion.dq[there], axis=1))  # what one newton forwards works at
         on.append(act[there])
     acting, speed = np.concatenate(on), np.concatenate(speeds)
     if not acting.any() or acting.all():
@@ -323,22 +328,18 @@ def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], 
     if max(back, 1.0 - back) < rules.most:
         return ""
     way, other = ("backwards", "forwards") if back > 0.5 else ("forwards", "backwards")
-    return f"a foot on the link after the {joints[-1].name} moves {way} while it acts, and {other} otherwise"
+    return f"a foot on the link after the {views[0].joints[-1].name} moves {way} while it acts, and {other} otherwise"
 
 
-def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]]) -> str:
+def _force(views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]]) -> str:
     """The force on the last link that would do this, in words; "" where none would, or one that pulls downwards.
 
     Two joints are moved by a force at any point of a link alike: it is told for as far along as the link above is long.
     Three tell the point, the one at which a force leaves least.
     """
-    model = base.model
-    joints = placed_joints(model)
-    if len(joints) < 2 or not joints[-1].turns or is_spatial(joints):
-        return ""
-    usual = joints[-2].length or model.thigh_length
-    tried = [usual * part for part in (PLACES if len(joints) > 2 else (1.0,))]
-    found = [_forces(model, views, own, acts, reach) for reach in tried]
+    joints = views[0].joints
+    tried = [views[0].reach * part for part in (PLACES if len(joints) > 2 else (1.0,))]
+    found = [_forces(views, own, acts, reach) for reach in tried]
     best = index_of_least([left for _, left in found])
     (force, left), reach = found[best], tried[best]
     size = np.abs(force[:, 1]).sum()
@@ -352,20 +353,14 @@ def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[N
     )
 
 
-def _forces(
-    model: Model, views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]], reach: float
-) -> tuple[Float, float]:
+def _forces(views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]], reach: float) -> tuple[Float, float]:
     """Return the force (K, 2) on the last link, `reach` m along it, that comes nearest to what acts, and the share of
     its square that this leaves.
     """
-    joints = placed_joints(model)
-    at = Force("ground", joints[-1].name, ("grf_x", "grf_z"))
     forces, whole, left = [], 0.0, 0.0
     for view, x, act in zip(views, own, acts, strict=True):
-        motion, there = view.recording.motion, act & view.seen.all(axis=0)
-        sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
-        ways = [np.tile(way, (int(there.sum()), 1)) for way in np.eye(2)]
-        unit = np.stack([pushed_torques(joints, motion.q[there], at, reach, way, sway) for way in ways], axis=2)
+        there = np.flatnonzero(act & view.seen.all(axis=0))
+        unit = np.stack([view.pushed(there, way, reach) for way in np.eye(2)], axis=2)
         tau, turn = x[:, there].T[:, :, None], unit.swapaxes(1, 2)
         found = np.linalg.solve(turn @ unit + 1e-9 * np.eye(2), turn @ tau)
         whole, left = whole + float(np.sum(tau**2)), left + float(np.sum((tau - unit @ found) ** 2))

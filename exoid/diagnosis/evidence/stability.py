@@ -18,7 +18,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
-from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gain import Evidence, robust_weight
 from exoid.diagnosis.evidence.gram import Fits, inverse_of
 from exoid.diagnosis.evidence.score import Agreement, Score, admissible
 from exoid.diagnosis.rules import Rules
@@ -89,9 +89,8 @@ class Splits:
         """
         rivals, gains = (fitted.model, fitted.model.without(name)), []
         recordings = fitted.prepared.all
-        weights = [np.zeros(block.residual.shape) for block in self.evidence.blocks]
-        for index, weight in self.evidence.units:
-            weights[index] += weight
+        sigma = self.evidence.sigma
+        weights = [robust_weight(block, sigma, self.rules) / sigma[:, None] ** 2 for block in self.evidence.blocks]
         for held in self.held_out:
             kept, unseen = (tuple(p for k, p in enumerate(recordings) if (k in held) == out) for out in (False, True))
             split, losses = replace(fitted.prepared, train=kept, verify=unseen), []
