@@ -158,11 +158,6 @@ class Evidence:
         """Weighted loss (F,) of the present model on each held-out training unit, refitted on the others."""
         return self._losses[: self.folds]
 
-    def portion(self, joints: Sequence[int]) -> float:
-        """Share of `joints` in the weighted squared residual of the training recordings."""
-        each = self.joint_losses
-        return float(each[list(joints)].sum() / each.sum()) if each.any() else 0.0
-
     @cached_property
     def joint_losses(self) -> Float:
         """Weighted squared residual (J,) of the training recordings, joint by joint."""
@@ -354,10 +349,6 @@ class Evidence:
     def leave_one_out(self, grams: Gram, ridge: float = RIDGE) -> Float:
         """Return the candidate's coefficients (F, m) fitted without each training unit in turn (first entry of D)."""
         return self._fits.candidate(grams, ridge)[0][: self.folds, :, 0]
-
-    def recording_gains(self, grams: Gram) -> tuple[Float, Float]:
-        """Return coefficients (R, m, D) and gain (R, D), each recording fitted alone, base and candidate alike."""
-        return self.alone.candidate(grams)[::2]
 
     def gains_once(self, grams: Gram, step: Float) -> Float:
         """Return the gain (R, ...) on each recording of a candidate's only column as it is, nothing fitted, the model's

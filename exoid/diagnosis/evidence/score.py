@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -156,24 +156,15 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
-    joint_share = min(1.0, share / portion) if (portion := evidence.portion(columns[0].joints)) else 0.0
+    losses = evidence.joint_losses
+    own = float(losses[list(columns[0].joints)].sum())
+    joint_share = min(1.0, share * float(losses.sum()) / own) if own else 0.0
     helps = share >= rules.least_share and (unseen is None or unseen >= rules.least_share)
     if candidate.reads_torque:  # one that is misread leaves much
         helps = helps and joint_share >= rules.little
-    steady = harmless(rules, gain.folds[:, 0])
-    return Score(
-        candidate,
-        nodes,
-        share,
-        folds,
-        unseen,
-        gain.coefficients[0],
-        float(novelty[nodes[0]]),
-        helps,
-        steady=steady,
-        caution=text,
-        joint_share=joint_share,
-    )
+    steady, new = harmless(rules, gain.folds[:, 0]), float(novelty[nodes[0]])
+    found = Score(candidate, nodes, share, folds, unseen, gain.coefficients[0], new, helps, steady=steady)
+    return replace(found, caution=text, joint_share=joint_share)
 
 
 def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Float]:
@@ -308,7 +299,7 @@ def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.nda
     """Return the node (R, D) at which a candidate gains most where each recording is fitted alone."""
     shape = grams.rows.shape[3:]
     flat = Gram(grams.rows.reshape(*grams.rows.shape[:-2], -1), grams.lift)
-    coefficients, gain = evidence.recording_gains(flat)
+    coefficients, _, gain = evidence.alone.candidate(flat)
     right = [admissible(candidate, each.T, evidence.rules) for each in coefficients]
     best = tied(-np.where(right, gain, -np.inf).reshape(-1, *shape), float(evidence.fold_losses.sum()), axis=1)
     return np.asarray(np.argmax(best, axis=1))
