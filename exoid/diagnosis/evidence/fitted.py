@@ -148,17 +148,15 @@ class FittedModel:
         moving = np.sum([recording.used.any(axis=1) for recording in self.prepared.train], axis=0)
         # Without the only recording in which a joint moves nothing would be known of it: then parts are left out.
         parts = [rules.blocks if np.any(moving == 1) else 1] * count + [1] * len(self.prepared.verify)
-        every = zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True)
+        every, zeroed = zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True), self.prepared.zeroed
         # Of zeros that were found beside another model a little is left, which is no effect.
-        blocks = [
-            _block(self.model, one, self.linear, *rest).beside_offsets(self.prepared.zeroed) for one, *rest in every
-        ]
+        blocks = [_block(self.model, one, self.linear, *rest).beside_offsets(zeroed) for one, *rest in every]
+        train, held = blocks[:count], blocks[count:]
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
-        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0, np.zeros(len(self.prepared.zeroed))])
+        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0, np.zeros(len(zeroed))])
         friction = self.model.friction.start, self.linear[self.model.friction].reshape(-1, 2)
-        given = {"seed": seed, "draws": draws, "sigma": sigma, "rules": rules}
-        return Evidence(blocks[:count], blocks[count:], prior=prior, friction=friction, **given)
+        return Evidence(train, held, seed=seed, draws=draws, sigma=sigma, prior=prior, friction=friction, rules=rules)
 
     def unfiltered(self, index: int) -> tuple[Float, Float]:
         """Return the columns (J, N, P) on recording `index` before the common filter, and the torque (J, N) there that
