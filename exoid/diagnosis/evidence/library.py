@@ -128,7 +128,7 @@ def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Seque
     if shape.turns:  # another one for all recordings is other coefficients
         return (0.0,)
     if shape.spacing == "position" and term.joint is not None:
-        return tuple(_places(shape, term, paths))
+        return _places(shape, term, paths)
     if shape.spacing == "time":
         begin = min(float(p.motion.t[0]) for p in paths)
         lasts = max(float(p.motion.t[-1]) for p in paths) - begin

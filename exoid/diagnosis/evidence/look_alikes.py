@@ -73,10 +73,8 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
 
 def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:
     """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
-    return [
-        candidate_columns(candidate, row[None], item, fitted)
-        for row, item in zip(chosen, fitted.prepared.all, strict=True)
-    ]
+    pairs = zip(chosen, fitted.prepared.all, strict=True)
+    return [candidate_columns(candidate, row[None], item, fitted) for row, item in pairs]
 
 
 def _one_node(

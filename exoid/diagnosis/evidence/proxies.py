@@ -94,10 +94,8 @@ def _better_bumps(
     common, rules = CurveData((evidence,)), evidence.rules
     least = (rules.practically if several else 1.0 / rules.most) * common.share(term)
     for candidate in bumps:
-        columns = [
-            candidate_columns(candidate, nodes, item, now)
-            for nodes, item in zip(candidate.nodes, now.prepared.all, strict=True)
-        ]
+        pairs = zip(candidate.nodes, now.prepared.all, strict=True)
+        columns = [candidate_columns(candidate, nodes, item, now) for nodes, item in pairs]
         score = weigh(evidence, candidate, columns)
         best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
         if several:

@@ -76,7 +76,6 @@ class Score:
     folds: Float
     unseen: float | None
     coefficients: Float
-    novelty: float
     helps: bool = False
     agreement: Agreement | None = None
     steady: bool = True
@@ -126,9 +125,8 @@ def above_noise(before: Float, after: Float) -> float:
 def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) -> Score:
     """Return the score of a candidate at its best node, without placebos."""
     grams, active = _looked_at(evidence, columns)
-    novelty = evidence.novelty(grams)
     rules = evidence.rules
-    alive = (novelty > ABSORBED) & (active >= rules.negligible)
+    alive = (evidence.novelty(grams) > ABSORBED) & (active >= rules.negligible)
     possible = alive & _friction_is_possible(evidence, candidate, grams)
     if not possible.any():
         nodes = np.zeros(len(columns), dtype=int)
@@ -136,10 +134,11 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         text = "the model's own parameters already contain it, on this motion"
         if alive.any():
             text = "dry or viscous friction of its joint would be negative beside it"
-        return Score(candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text)
+        return Score(candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), caution=text)
     best: tuple[np.ndarray, Gain] | None = None
     wrong, whole = 0.0, float(evidence.fold_losses.sum())
-    for nodes, gain in _choices(evidence, candidate, grams, possible):
+    choices = _choices(evidence, candidate, grams, possible)
+    for nodes, gain in choices:
         right = admissible(candidate, gain.coefficients, rules)[0]
         total = float(gain.total[0])
         if right and (best is None or total > best[1].total[0] + TIED * whole):
@@ -147,7 +146,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         elif not right:
             wrong = max(wrong, total)
     if best is None or wrong > 2.0 * max(float(best[1].total[0]), 0.0):
-        nodes, gain = best or next(iter(_choices(evidence, candidate, grams, possible)))
+        nodes, gain = best or choices[0]
         text = "fits best with a sign that this effect cannot have" if wrong > rules.least_share * whole else ""
     else:
         (nodes, gain), text = best, ""
@@ -162,9 +161,8 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     helps = share >= rules.least_share and (unseen is None or unseen >= rules.least_share)
     if candidate.reads_torque:  # one that is misread leaves much
         helps = helps and joint_share >= rules.little
-    steady, new = harmless(rules, gain.folds[:, 0]), float(novelty[nodes[0]])
-    found = Score(candidate, nodes, share, folds, unseen, gain.coefficients[0], new, helps, steady=steady)
-    return replace(found, caution=text, joint_share=joint_share)
+    found = Score(candidate, nodes, share, folds, unseen, gain.coefficients[0], helps, caution=text)
+    return replace(found, steady=harmless(rules, gain.folds[:, 0]), joint_share=joint_share)
 
 
 def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Float]:

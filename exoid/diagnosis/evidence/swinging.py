@@ -83,17 +83,11 @@ class Swing:
 
 def swinging(last: FittedModel) -> Swing | None:
     """Return the clearest line that all recordings have in what `last` leaves; None where there is none."""
-    found = [
-        Swing(joint, *line)
-        for j, joint in enumerate(last.model.joint_names)
-        if (
-            line := common_line(
-                [np.where(item.used[j], r[j], 0.0) for r, item in zip(last.residuals, last.prepared.all, strict=True)],
-                [entry.torque[j] for entry in last.prepared.all],
-                [element.kept_rate for element in last.prepared.all],
-            )
-        )
-    ]
+    every, found = last.prepared.all, []
+    for j, joint in enumerate(last.model.joint_names):
+        left = [np.where(item.used[j], r[j], 0.0) for r, item in zip(last.residuals, every, strict=True)]
+        if line := common_line(left, [item.torque[j] for item in every], [item.kept_rate for item in every]):
+            found.append(Swing(joint, *line))
     return least_of(found, lambda one: -one.share, 1.0) if found else None
 
 
@@ -149,20 +143,24 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     """
     swing = swinging(last) if np.any(last.evaluation_rms > rules.near_noise * noise) else None
     effect, model = find_effect(ENTRY), last.model
-    if swing is None or model.moving_base or any(term.effect.id == ENTRY for term in model.terms):
-        return None
-    if not places_of(effect, model.joints):
+    taken = model.moving_base or any(term.effect.id == ENTRY for term in model.terms)
+    if swing is None or taken or not places_of(effect, model.joints):
         return None
     every = last.prepared.all
     lasts = [float(item.t[-1] - item.t[0]) for item in every]
     step = 1.0 / (FINE * max(lasts))
     count = min(MOST_TRIED, int(NEAR * swing.hertz / step))
-    wide = _within(swing.hertz, step, ASIDE * count)
+    allowed = effect.shape["f"]
+    wide = swing.hertz + step * np.arange(-ASIDE * count, ASIDE * count + 1, dtype=float)
+    wide = wide[(wide >= allowed.min) & (wide <= allowed.max)]
     near = np.abs(wide - swing.hertz) <= (count + 0.5) * step
     if not near.any():
         return None
     candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 2)), False)
-    evidence = _by_halves(last, rules)
+    # The halves of all recordings are held out, one after the other.
+    blocks = last.evidence(seed=0, draws=0, rules=rules).blocks
+    halves = [replace(block, fold=2 * np.arange(len(block.fold)) // len(block.fold)) for block in blocks]
+    evidence = Evidence(halves, (), seed=0, draws=0, rules=replace(rules, most_folds=2 * len(halves)))
     gains = _gains(evidence, last, candidate, wide)
     best = wide[near][index_of_greatest(gains.sum(axis=0)[near])]
     finer = best + step / FINER * np.arange(1 - FINER, FINER)
@@ -180,15 +178,7 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     return OwnSway(hertz, parts.reshape(len(every), -1), chance_of(gains, near, apart, rules.placebos))
 
 
-def _by_halves(last: FittedModel, rules: Rules) -> Evidence:
-    """Return the evidence of which the halves of all recordings are held out, one after the other."""
-    blocks = last.evidence(seed=0, draws=0, rules=rules).blocks
-    halves = [replace(block, fold=2 * np.arange(len(block.fold)) // len(block.fold)) for block in blocks]
-    return Evidence(halves, (), seed=0, draws=0, rules=replace(rules, most_folds=2 * len(halves)))
-
-
 def _columns(last: FittedModel, candidate: Candidate, hertz: Float) -> list[Columns]:
-    """Return the columns of sways at frequencies (F,) on every recording."""
     nodes = np.column_stack([hertz, np.zeros(len(hertz))])
     return [candidate_columns(candidate, nodes, item, last) for item in last.prepared.all]
 
@@ -203,12 +193,6 @@ def _gains(evidence: Evidence, last: FittedModel, candidate: Candidate, hertz: F
         own = [Gram(grams.rows * (evidence.of == k)[:, None, None, None]) for k in recordings]
         out.append([evidence.gain(gram).total for gram in own])
     return np.concatenate(out, axis=1)
-
-
-def _within(hertz: float, step: float, count: int) -> Float:
-    """Return the frequencies about `hertz` that a sway may have, `count` to either side."""
-    shape, frequencies = find_effect(ENTRY).shape["f"], np.array([hertz + k * step for k in range(-count, count + 1)])
-    return frequencies[(frequencies >= shape.min) & (frequencies <= shape.max)]
 
 
 def chance_of(gains: Float, near: np.ndarray, apart: int, most: int) -> float:

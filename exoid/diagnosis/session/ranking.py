@@ -19,8 +19,7 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import look_alikes
 from exoid.diagnosis.evidence.model_error import sensor_noise
-from exoid.diagnosis.evidence.placebo import placebo
-from exoid.diagnosis.evidence.ranking import agreed, mark_significant
+from exoid.diagnosis.evidence.ranking import agreed, mark_significant, placebo
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.sureness import sureness
