@@ -156,8 +156,10 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     if not (force or foot) or np.any(_rms(views, rest, acts) < far):
         # What is now large and now small has no quiet part: windows are of two kinds where it has, and three quarters
         # of the other kind are far from it.
-        far_away = np.quantile(losses[away], 0.25) > far**2
-        plain = far_away and all(map(len, episodes)) and _of_two_kinds(losses, quiet) >= rules.most
+        far_away, size = np.quantile(losses[away], 0.25) > far**2, _logarithms(losses)
+        between = float(np.var(np.where(quiet, size[quiet].mean(), size[away].mean())))
+        two_kinds = between / max(float(np.var(size)), 1e-300) >= rules.most
+        plain = far_away and all(map(len, episodes)) and two_kinds
         large = _rms(views, rest, acts) > rules.artefact * far
         if not plain or not np.any(large & _beyond_curves(base, x, acts, rules)):
             return None
@@ -231,13 +233,6 @@ def _lower(losses: Float) -> NDArray[np.bool_]:
 
 def _logarithms(losses: Float) -> Float:
     return np.asarray(np.log(np.maximum(losses, FAINT * float(np.median(losses)) + 1e-300)))
-
-
-def _of_two_kinds(losses: Float, quiet: NDArray[np.bool_]) -> float:
-    """Share of the variance of the logarithms of `losses` (M,) that lies between the `quiet` ones and the others."""
-    size = _logarithms(losses)
-    means = np.where(quiet, size[quiet].mean(), size[~quiet].mean())
-    return float(np.var(means) / max(float(np.var(size)), 1e-300))
 
 
 def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

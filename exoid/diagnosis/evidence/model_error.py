@@ -87,9 +87,9 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     beyond = np.where(error > 0.0, error / np.maximum(sensors, 1e-6), 0.0)
     if times[j] <= rules.near_noise:
         worst = index_of_greatest(beyond)
-        return (
-            None if again is None or beyond[worst] <= rules.near_noise else _random(last, again, worst, beyond[worst])
-        )
+        if again is None or beyond[worst] <= rules.near_noise:
+            return None
+        return _random(last, again, worst, beyond[worst])
     joint, kind = last.model.joint_names[j], "unseen" if last.verified else "fitted"
     unit = last.model.joints[j].unit("tau")
     size = f"{the_joint(joint)} keeps {digits(error[j])} {unit} on {kind} motion"

@@ -207,12 +207,11 @@ def _left(
     weights = [link.one.used / scale[:, None] ** 2 for link in links[:count]]
     for _ in range(rounds):
         pairs = [link.read(compliance, linear) for link in links]
-        rows = [(columns[:, :, free], wanted) for columns, wanted in pairs[:count]]
-        weighted = [x * w[:, :, None] for (x, _), w in zip(rows, weights, strict=True)]
-        gram, slope = (
-            np.sum([np.tensordot(x, part[k], ((0, 1), (0, 1))) for x, part in zip(weighted, rows, strict=True)], axis=0)
-            for k in (0, 1)
-        )
+        gram = slope = np.zeros(())
+        for (columns, wanted), weight in zip(pairs, weights, strict=False):  # the first, which are fitted
+            rows = columns[:, :, free].reshape(weight.size, -1)
+            weighted = rows * weight.reshape(-1, 1)
+            gram, slope = gram + weighted.T @ rows, slope + weighted.T @ wanted.ravel()
         linear = np.zeros(len(linear))
         linear[free] = numbers_of(gram, slope)
     return [wanted - columns @ linear for columns, wanted in pairs]
