@@ -150,7 +150,7 @@ class FittedModel:
         parts = [rules.blocks if np.any(moving == 1) else 1] * count + [1] * len(self.prepared.verify)
         every, zeroed = zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True), self.prepared.zeroed
         # Of zeros that were found beside another model a little is left, which is no effect.
-        blocks = [_block(self.model, one, self.linear, *rest).beside_offsets(zeroed) for one, *rest in every]
+        blocks = [_block(self.model, item, self.linear, *rest).beside_offsets(zeroed) for item, *rest in every]
         train, held = blocks[:count], blocks[count:]
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))

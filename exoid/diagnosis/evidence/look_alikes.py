@@ -51,8 +51,14 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
     """Return the score at the best shape values around `chosen` (R, S), choices as they are, and the columns there."""
     candidate = score.candidate
     entries = list(candidate.term.placed_shape.values())
-    columns = columns_at(candidate, chosen, fitted)
-    best = _one_node(evidence, candidate, chosen, columns, score)
+
+    def weighed(shapes: Float) -> tuple[Score, list[Columns]]:
+        columns = columns_at(candidate, shapes, fitted)
+        found = weigh(evidence, replace(candidate, nodes=shapes[:, None, :]), columns)
+        known = {name: getattr(score, name) for name in ("p_value", "significant", "caution", "agreement")}
+        return replace(found, **known), columns
+
+    best = weighed(chosen)
     # What all recordings share may lie between nodes, and places, which move in all of them together.
     free = [i for i, s in enumerate(entries) if not (s.choices or s.is_own)]
     for index in [] if candidate.tangent else free:
@@ -63,26 +69,17 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
             for step in (-0.5 * reach, 0.5 * reach):
                 trial = chosen.copy()
                 trial[:, index] = [from_unit(entry, to_unit(entry, float(value)) + step) for value in middle]
-                trial_columns = columns_at(candidate, trial, fitted)
-                found = _one_node(evidence, candidate, trial, trial_columns, score)
-                if found.share > best.share + TIED:
-                    best, chosen, columns = found, trial, trial_columns
+                found = weighed(trial)
+                if found[0].share > best[0].share + TIED:
+                    best, chosen = found, trial
             reach *= 0.5
-    return best, columns
+    return best
 
 
 def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:
     """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
     pairs = zip(chosen, fitted.prepared.all, strict=True)
     return [candidate_columns(candidate, row[None], item, fitted) for row, item in pairs]
-
-
-def _one_node(
-    evidence: Evidence, candidate: Candidate, chosen: Float, columns: Sequence[Columns], before: Score
-) -> Score:
-    found = weigh(evidence, replace(candidate, nodes=chosen[:, None, :]), columns)
-    known = {name: getattr(before, name) for name in ("p_value", "significant", "caution", "agreement")}
-    return replace(found, **known)
 
 
 def look_alikes(

@@ -136,8 +136,3 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
         )
         out.append(Candidate(Term(effect, joint, now.model.joints, own_places=True), nodes, False))
     return out
-
-
-def explained_share(evidence: Evidence, columns: Sequence[Columns]) -> float:
-    """Return the share of the loss on held-out units of all recordings that columns (one node) explain."""
-    return CurveData((evidence,)).share(columns)

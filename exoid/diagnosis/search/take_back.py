@@ -12,8 +12,8 @@ import numpy as np
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.proxies import BetterCurve, beaten, explained_share
-from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant, suggest
+from exoid.diagnosis.evidence.proxies import BetterCurve, beaten
+from exoid.diagnosis.evidence.remainder import CurveData, Remainder, remainders, significant, suggest
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext, as_fitted
@@ -121,7 +121,7 @@ class _Without:
     @property
     def share(self) -> float:
         """Share of the held-out loss that the terms explain beside the others."""
-        return explained_share(self.evidence, self.columns)
+        return CurveData((self.evidence,)).share(self.columns)
 
 
 def _superseded(
