@@ -127,12 +127,10 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
             },
             custom=True,
         )
+        places = np.tile(np.quantile(np.concatenate(paths), BUMP_LEVELS), (len(paths), 1))
+        if variable.startswith("q"):
+            places = np.hstack([[np.quantile(path, BUMP_LEVELS) for path in paths], places])
         widths = np.geomspace(0.05, 0.3, 5) * (high - low)
-        pooled = [np.quantile(np.concatenate(paths), BUMP_LEVELS)] * len(paths)
-        each_own = [np.quantile(path, BUMP_LEVELS) for path in paths]
-        tried = [each_own, pooled] if variable.startswith("q") else [pooled]
-        nodes = np.concatenate(
-            [np.array([[(m, w) for m in places for w in widths] for places in each]) for each in tried], axis=1
-        )
+        nodes = np.array([[*itertools.product(row, widths)] for row in places])
         out.append(Candidate(Term(effect, joint, now.model.joints, own_places=True), nodes, False))
     return out
