@@ -76,13 +76,9 @@ def stacked(parts: Sequence[Sequence[Columns]], joints: int) -> list[Columns]:
     `parts` are each candidate's columns (one node) on the recordings. They are scaled to one size: a ridge is relative
     to the largest column, and would take those of a candidate that counts in other units for nothing.
     """
-    sizes = [_rms(part) or 1.0 for part in parts]
+    counts = [max(1, sum(item.values.size for item in part)) for part in parts]
+    squares = [sum(float(np.sum(item.values**2)) for item in part) for part in parts]
+    sizes = [np.sqrt(square / count) or 1.0 for square, count in zip(squares, counts, strict=True)]
     each = zip(*parts, strict=True)
     full = [[item.full(0, joints) / size for item, size in zip(some, sizes, strict=True)] for some in each]
     return [Columns(tuple(range(joints)), np.concatenate(some, axis=2)[None]) for some in full]
-
-
-def _rms(part: Sequence[Columns]) -> float:
-    """Return the RMS of a candidate's columns over all recordings."""
-    count = max(1, sum(item.values.size for item in part))
-    return float(np.sqrt(sum(float(np.sum(entry.values**2)) for entry in part) / count))

@@ -75,14 +75,9 @@ class Intermittent:
     foot: str
 
     @property
-    def is_ground(self) -> bool:
-        """True if it pushes as the ground under a foot does."""
-        return bool(self.force or self.foot)
-
-    @property
     def likeness(self) -> str:
         """The sign that it is told by, in words."""
-        return "as the ground under a foot does" if self.is_ground else "and is no function of the motion"
+        return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
 
     def sentence(self, joints: Sequence[Joint]) -> str:
         """The phase in which it acts and how large it is, for people."""
@@ -96,7 +91,7 @@ class Intermittent:
             f"{self.seconds:.2g} s ({100 * self.share:.0f} % of the time){when}. While it acts it makes {sizes[0]} "
             f"(RMS); the rest of the time the model as it is leaves {sizes[1]}, before any filter."
             + "".join(f" {said[0].upper()}{said[1:]}." for said in (self.force, self.foot) if said)
-            + (f" Is it {'the ground under a foot' if self.is_ground else 'a person, or something touched'}?")
+            + (f" Is it {'the ground under a foot' if self.force or self.foot else 'a person, or something touched'}?")
         )
 
 

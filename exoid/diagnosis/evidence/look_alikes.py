@@ -94,7 +94,9 @@ def look_alikes(
     reference = by_joint.sum(axis=0)
     out: dict[str, float] = {}
     for score, columns in rivals:
-        if gains_beside(evidence, best, score, columns):
+        both = evidence.gain(evidence.plain(stacked([best[1], columns], len(evidence.sigma)))).total[0]
+        beside = float(both) / float(evidence.fold_losses.sum()) - best[0].share
+        if beside > evidence.rules.half * score.share:  # it keeps enough of its gain beside the best to be another one
             continue
         loss = joint_losses(evidence, columns)
         behind = lag(loss.sum(axis=0), reference)
@@ -105,15 +107,6 @@ def look_alikes(
         elif behind < evidence.rules.clear and not elsewhere:
             out[score.name] = behind
     return out
-
-
-def gains_beside(
-    evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
-) -> bool:
-    """True if `rival` keeps enough of its gain beside the best one to be another effect."""
-    together = stacked([best[1], columns], len(evidence.sigma))
-    share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
-    return share - best[0].share > evidence.rules.half * rival.share
 
 
 def leaves_joints(loss: Float, than: Float, without: Float, best: Candidate, rules: Rules) -> bool:
