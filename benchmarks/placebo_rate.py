@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT))
 from exoid.diagnosis.evidence.columns import Columns  # noqa: E402
 from exoid.diagnosis.evidence.fitted import fitted_model  # noqa: E402
 from exoid.diagnosis.evidence.library import build_library  # noqa: E402 - the repository must be on the path first
-from exoid.diagnosis.evidence.placebo import placebo  # noqa: E402
+from exoid.diagnosis.evidence.ranking import placebo  # noqa: E402
 from exoid.diagnosis.evidence.score import weigh  # noqa: E402
 from exoid.measurement.reading.read import read_recording  # noqa: E402
 from exoid.measurement.recording import Recording  # noqa: E402

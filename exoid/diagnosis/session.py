@@ -26,8 +26,7 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library, build_library
 from exoid.diagnosis.evidence.look_alikes import look_alikes
 from exoid.diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
-from exoid.diagnosis.evidence.placebo import placebo
-from exoid.diagnosis.evidence.ranking import agreed, mark_significant
+from exoid.diagnosis.evidence.ranking import agreed, mark_significant, placebo
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.stretches import origins, searched_stretches
 from exoid.diagnosis.question import Question, own_effects

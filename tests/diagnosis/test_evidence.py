@@ -141,7 +141,7 @@ def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
 def test_noise_is_called_significant_as_often_as_it_should_be():
     """Pure noise against placebos of itself: the p-value is uniform."""
     from exoid.diagnosis.evidence.candidates import Candidate
-    from exoid.diagnosis.evidence.placebo import placebo
+    from exoid.diagnosis.evidence.ranking import placebo
     from exoid.diagnosis.evidence.score import Score
     from exoid.symbolic.effect_catalogue import find_effect
     from exoid.symbolic.term import Term
@@ -155,7 +155,7 @@ def test_noise_is_called_significant_as_often_as_it_should_be():
         evidence = Evidence(train, [], seed=seed, draws=99)
         gain = evidence.gain(evidence.plain(columns))
         share = float(gain.total[0] / evidence.fold_losses.sum())
-        score = Score(candidate, np.zeros(2, int), share, gain.folds[:, 0], 0.0, gain.coefficients[0], 1.0)
+        score = Score(candidate, np.zeros(2, int), share, gain.folds[:, 0], 0.0, gain.coefficients[0])
         values.append(placebo(evidence, score, columns).p_value)
     low = np.mean(np.array(values) <= 0.2)
     assert 0.05 <= low <= 0.37

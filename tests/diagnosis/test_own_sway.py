@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from synthetic import recording, search
 
-from exoid.diagnosis.evidence.own_sway import chance_of, own_sway
-from exoid.diagnosis.evidence.swinging import swinging
+from exoid.diagnosis.evidence.swinging import chance_of, own_sway, swinging
 from exoid.diagnosis.results import Accepted
 from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.verdict import conclude

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from exoid.diagnosis.evidence.splines import spline_columns
+from exoid.diagnosis.evidence.curves import spline_columns
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

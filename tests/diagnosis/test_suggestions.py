@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from exoid.diagnosis.evidence.suggestions import suggest
+from exoid.diagnosis.evidence.remainder import suggest
 from exoid.symbolic.joints import LEG
 
 FORMS = {

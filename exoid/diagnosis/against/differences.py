@@ -20,8 +20,7 @@ from exoid.diagnosis.against.result import ChangeFound, Course, Differences
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from exoid.diagnosis.evidence.gain import Evidence, pooled_scale, robust_weight
-from exoid.diagnosis.evidence.placebo import placebo
-from exoid.diagnosis.evidence.ranking import agreed
+from exoid.diagnosis.evidence.ranking import agreed, placebo
 from exoid.diagnosis.evidence.score import weigh
 from exoid.diagnosis.hypotheses import Claim, nothing
 from exoid.diagnosis.own_numbers.compared import clearer, total

@@ -64,14 +64,15 @@ def odd_ones(base: FittedModel, rules: Rules = RULES) -> tuple[int, ...]:
     return plain
 
 
-def left_out(
-    base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES
-) -> tuple[dict[int, Apart], float]:
+def left_out(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = RULES) -> tuple[dict[int, Apart], float]:
     """Those of the recordings `odd` (indices) that the model found for the others does not explain either, with the
     reason to leave them out; and the share that numbers of their own explain, of the one of which that is least.
     """
-    judged, power = _judged(base, found, odd), _power(base)
-    left, first = _shares(judged), len(base.prepared.all) - len(odd)
+    count, every, power = len(base.prepared.train), base.prepared.all, _power(base)
+    train, held = ([every[k] for k in part if k not in odd] for part in (range(count), range(count, len(every))))
+    others_first = replace(base.prepared, train=tuple(train), verify=(*held, *(every[k] for k in odd)))
+    judged = fitted_model(found, others_first)
+    left, first = _shares(judged), len(every) - len(odd)
     out: dict[int, Apart] = {}
     least = 1.0
     others = np.nan_to_num(left[:first]).max(axis=0)
@@ -86,32 +87,36 @@ def left_out(
             for j, joint in enumerate(base.model.joints)
             if plain[j]
         )
-        recording = base.prepared.all[k]
-        alone, share = _alone(base, found, recording, float(np.nansum(own)))
-        text = f"{recording.name} is left out: what explains the others leaves {errors}"
+        alone, share = _alone(base, found, every[k], float(np.nansum(own)))
+        text = f"{every[k].name} is left out: what explains the others leaves {errors}"
         text += _why(judged, index, alone, share, rules)
-        out[k], least = Apart(recording.name, text), min(least, share)
+        out[k], least = Apart(every[k].name, text), min(least, share)
     return out, least
 
 
 def _why(judged: FittedModel, index: int, alone: Fit | None, share: float, rules: Rules) -> str:
     prepared, name = judged.prepared, judged.prepared.all[index].name
-    read = next((f for f in prepared.misread if _is_of(f, name)), None)
-    if read is not None:
-        return f"; {read.what} ({read.remedy})"
-    warned = (f for f in prepared.findings if f.check == UNITS and f.severity == "warning")
-    unit = next((finding for finding in warned if _is_of(finding, name)), None)
-    if unit is not None:
-        return f"; {unit.what} (write the unit into the header of that file)"
+    for finding in prepared.misread:
+        if _is_of(finding, name):
+            return f"; {finding.what} ({finding.remedy})"
+    remedy = "write the unit into the header of that file"
+    for finding in prepared.findings:
+        if finding.check == UNITS and finding.severity == "warning" and _is_of(finding, name):
+            return f"; {finding.what} ({remedy})"
     if (times := _times(judged, index, rules)) is not None:
-        remedy = "write the unit into the header of that file"
         return f"; its torques are {digits(times, 3)} times as large as they should be: another unit or gain ({remedy})"
     if alone is None:
         return ""
     if share < 1.0 - rules.little:
         return ", and fitted alone it is not explained either: look at its columns and sensors"
-    moved = ", ".join(moved_numbers(judged.fit, alone)[:4])
-    numbers = f" ({moved})" if moved else ""
+    own = {e.name: e for e in alone.estimates}
+    pairs = [(e, own[e.name]) for e in judged.fit.estimates if e.name in own]
+    moved = [
+        f"{e.name} {e.value:.3g} and {its.value:.3g} {e.unit}".rstrip()
+        for e, its in pairs
+        if e.high < its.low or its.high < e.low  # by more than both intervals allow
+    ]
+    numbers = f" ({', '.join(moved[:4])})" if moved else ""
     text = f", and fitted alone it is explained, with numbers of its own{numbers}"
     return f"{text}: another machine, a load (--payload) or gain of a sensor"
 
@@ -137,23 +142,6 @@ def _alone(base: FittedModel, found: Fit, one: PreparedRecording, whole: float) 
         return None, 0.0
     fitted = fitted_model(alone, replace(base.prepared, train=(one,), verify=()))
     return alone, 1.0 - float(np.nansum(_shares(fitted)[0])) / whole
-
-
-def moved_numbers(first: Fit, second: Fit) -> list[str]:
-    """Return the numbers of two fits that differ by more than both intervals allow, in words."""
-    own = {e.name: e for e in second.estimates}
-    return [
-        f"{e.name} {e.value:.3g} and {own[e.name].value:.3g} {e.unit}".rstrip()
-        for e in first.estimates
-        if e.name in own and (e.high < own[e.name].low or own[e.name].high < e.low)
-    ]
-
-
-def _judged(base: FittedModel, found: Fit, odd: Sequence[int]) -> FittedModel:
-    """Return a model found without the recordings `odd` on the others and on these, which come last."""
-    count, every = len(base.prepared.train), base.prepared.all
-    train, held = ([every[k] for k in part if k not in odd] for part in (range(count), range(count, len(every))))
-    return fitted_model(found, replace(base.prepared, train=tuple(train), verify=(*held, *(every[k] for k in odd))))
 
 
 def _is_of(finding: Finding, name: str) -> bool:

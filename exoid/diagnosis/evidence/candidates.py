@@ -8,7 +8,8 @@ trial value. Nothing here ever looks at the measured torque.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from typing import Any
@@ -16,7 +17,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.ground.errors import ExpressionError
 from exoid.measurement.signals.butterworth import WaveProducts
@@ -37,6 +38,8 @@ TANGENT_STEP = 1e-3
 """Step of a tangent, as a share of the range of the number."""
 TOGETHER = 150_000
 """Values that are computed and filtered at once: more no longer fit into a processor's cache."""
+AT_ONCE = 32
+"""Nodes of late columns that are computed at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,55 +118,78 @@ def feeds_back(term: Term) -> bool:
     return any(torque.names & FEEDBACK for torque in torques(term))
 
 
-def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Columns:
-    """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
-    shape = len(nodes), candidate.width, len(candidate.joints), len(one.kept)
-    columns = Columns(candidate.joints, np.moveaxis(np.empty(shape), 1, 3))
-    fill_columns(candidate, nodes, one, fitted, columns)
-    return columns
+class LateColumns(Columns):
+    """Columns of a candidate on one recording at `nodes` (V, S), so many that some of them are computed when they are
+    asked for: memory for all takes longer to get than they take to be computed.
+    """
 
+    def __init__(self, candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> None:
+        vars(self).update(joints=candidate.joints, candidate=candidate, nodes=nodes, recording=one, fitted=fitted)
 
-def late_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> LateColumns:
-    """Return the columns of a candidate on one recording, which are computed when they are asked for."""
-    shape = candidate.width, len(candidate.joints), len(one.kept)
-    known: list[Callable[[Float], Float]] = []
+    candidate: Candidate
+    nodes: Float
+    recording: PreparedRecording
+    fitted: FittedModel
 
-    def unfiltered() -> Callable[[Float], Float]:
-        if not known:
-            known.append(unfiltered_columns(candidate, nodes, one, fitted))
-        return known[0]
+    @cached_property
+    def _unfiltered(self) -> Callable[[Float], Float]:
+        return _unfiltered_columns(self.candidate, self.nodes, self.recording, self.fitted)
 
-    def at(some: Float) -> Float:
-        values = np.empty((len(some), *shape))
-        _filter(unfiltered(), candidate, some, one, values)
+    def _at(self, nodes: Float) -> Float:
+        """Return the filtered columns (V, A, K, m) at some nodes."""
+        shape = len(nodes), self.candidate.width, len(self.joints)
+        values = np.empty((*shape, len(self.recording.kept)))
+        parts = -(-math.prod(shape) * len(self.recording.motion) // TOGETHER)
+        for some in np.array_split(np.arange(len(nodes)), min(len(nodes), parts)):
+            raw = np.ascontiguousarray(np.swapaxes(self._unfiltered(nodes[some]), 1, 2))
+            self.recording.smooth_rows(raw, self.joints, 2, values[some[0] : some[-1] + 1])
         return np.moveaxis(values, 1, 3)
 
-    def sums(weights: Float, signals: Float) -> WaveProducts | None:
-        waves = unfiltered()
-        return one.wave_products(waves, nodes, candidate.joints, weights, signals) if isinstance(waves, Waves) else None
+    @property
+    def values(self) -> Float:
+        """The columns of all nodes."""
+        return self._at(self.nodes)
 
-    return LateColumns(candidate.joints, nodes, at, sums)
+    @property
+    def pieces(self) -> list[slice]:
+        """The nodes in pieces that are worth having at once."""
+        return [slice(at, at + AT_ONCE) for at in range(0, len(self.nodes), AT_ONCE)]
+
+    @property
+    def is_absent(self) -> bool:
+        """True if it is known not to act on this recording."""
+        return False
+
+    def some(self, nodes: slice | np.ndarray) -> Columns:
+        """Return the columns of some nodes; of all of them, these."""
+        if isinstance(nodes, slice) and nodes == slice(None):
+            return self
+        return Columns(self.joints, self._at(self.nodes[nodes]))
+
+    def sums(self, weights: Float, signals: Float) -> WaveProducts | None:
+        """Return the sums of products of the columns at all nodes with weights (U, A, K) and weighted signals (S, A, K,
+        Q) where these are to be had without the columns; None elsewhere.
+        """
+        waves = self._unfiltered
+        if not isinstance(waves, Waves):
+            return None
+        return self.recording.wave_products(waves, self.nodes, self.joints, weights, signals)
+
+    def products(self, weights: Float, signals: Float) -> tuple[Float, Float]:
+        """Return the products, as for any columns."""
+        if (found := self.sums(weights[None], signals[None])) is not None:
+            return found.both[0], found.square[0]
+        parts = [self.some(piece).products(weights, signals) for piece in self.pieces]
+        both, square = (np.concatenate(each) for each in zip(*parts, strict=True))
+        return both, square
 
 
-def fill_columns(
-    candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel, into: Columns
-) -> None:
-    """Write the filtered columns of a candidate on one recording at `nodes` (V, S)."""
-    unfiltered = unfiltered_columns(candidate, nodes, one, fitted)
-    _filter(unfiltered, candidate, nodes, one, np.moveaxis(into.values, 3, 1))
+def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Columns:
+    """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
+    return Columns(candidate.joints, LateColumns(candidate, nodes, one, fitted).values)
 
 
-def _filter(
-    unfiltered: Callable[[Float], Float], candidate: Candidate, nodes: Float, one: PreparedRecording, into: Float
-) -> None:
-    """Write columns at `nodes` (V, S) into (V, m, A, K), as the evidence reads it, filtered."""
-    parts = -(-len(nodes) * candidate.width * len(candidate.joints) * len(one.motion) // TOGETHER)
-    for some in np.array_split(np.arange(len(nodes)), min(len(nodes), parts)):
-        raw = np.ascontiguousarray(np.swapaxes(unfiltered(nodes[some]), 1, 2))
-        one.smooth_rows(raw, candidate.joints, 2, into[some[0] : some[-1] + 1])
-
-
-def unfiltered_columns(
+def _unfiltered_columns(
     candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel
 ) -> Callable[[Float], Float]:
     """Function that gives the columns (V, A, m, N) of a candidate at some of its `nodes`, on all samples of a
@@ -183,7 +209,11 @@ def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) ->
     keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
     words = motion_words(motion)
     if feeds_back(term):
-        words |= fed_back((term,), one, fitted)
+        known = own_torques(fitted, one)
+        if not known.keys() >= {name for torque in torques(term) for name in torque.names & SLOPES}:
+            carried = carrying(fitted.model, motion, fitted.linear)
+            known |= slopes_of(fitted.model, (term,), motion, carried, fitted.shape)
+        words |= known
     if (waves := _waves(term, words, len(motion))) is not None:
         return waves
 
@@ -223,36 +253,20 @@ def _at_nodes(
     keys: tuple[str, ...],
     nodes: Float,
     motion: Motion,
-    kept: dict[Any, Any],
+    kept: dict[Any, Any] | None = None,
 ) -> Float:
     """Return a torque (V, N) at every node, NaN where it is not finite; `kept` as of `to_numpy`, of the same nodes."""
     shaped = {key: nodes[:, [i]] for i, key in enumerate(keys)}
     try:
         return torque_values(torque, {**words, **shaped}, motion, len(nodes), kept)
     except ExpressionError:  # at some node: find out which
-        return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
-
-
-def _at_node(
-    torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], node: Float, motion: Motion
-) -> Float:
-    try:
-        return torque_values(torque, {**words, **dict(zip(keys, map(float, node), strict=True))}, motion)
-    except ExpressionError:
-        return np.full(len(motion), np.nan)
+        if len(nodes) == 1:
+            return np.full((1, len(motion)), np.nan)
+        return np.concatenate([_at_nodes(torque, words, keys, node[None], motion) for node in nodes])
 
 
 _FED_BACK: WeakKeyDictionary[FittedModel, WeakKeyDictionary[PreparedRecording, dict[str, Float]]] = WeakKeyDictionary()
 """Torques of the model that is asked about, and their slopes: several candidates are made of the same ones."""
-
-
-def fed_back(terms: Sequence[Term], one: PreparedRecording, fitted: FittedModel) -> dict[str, Float]:
-    """Return the words for the model's own torque and its slopes that the texts of `terms` speak of, and others."""
-    kept = own_torques(fitted, one)
-    if not kept.keys() >= {name for term in terms for torque in torques(term) for name in torque.names & SLOPES}:
-        carried = carrying(fitted.model, one.motion, fitted.linear)
-        kept |= slopes_of(fitted.model, terms, one.motion, carried, fitted.shape)
-    return kept
 
 
 def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
@@ -277,17 +291,11 @@ def _extended(model: Model, term: Term) -> Model:
 
 def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
     """Return ∂τ/∂(the term's number) (A, 1, N) at zero, from a small value of it to either side."""
-    nodes, width = tangent_nodes(term)
-    changes = _changes(term, one, fitted, nodes)
-    return (changes[0] - changes[1]) / width
-
-
-def tangent_nodes(term: Term) -> tuple[Float, float]:
-    """Return the two nodes (2, S) of a tangent, above and below zero, and how far apart they are."""
     first, *rest = term.placed_shape.values()
     step = TANGENT_STEP * (first.max - first.min)
     typical = [s.typical or 0.5 * (s.min + s.max) for s in rest]
-    return np.array([[step, *typical], [-step, *typical]]), 2.0 * step
+    above, below = _changes(term, one, fitted, np.array([[step, *typical], [-step, *typical]]))
+    return (above - below) / (2.0 * step)
 
 
 def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.gram import left_of
+from exoid.diagnosis.evidence.gram import numbers_of
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.motion import Float
 
@@ -53,8 +53,7 @@ def variance_known(recordings: Sequence[PreparedRecording]) -> Float:
 
 
 def mean_square_known(rows: Sequence[Float], recordings: Sequence[PreparedRecording]) -> Float:
-    """Return the mean square (J,) of `rows` (J, K) of recordings where torques of drives are known; NaN where none is.
-    """
+    """Return the mean square (J,) of `rows` (J, K) of recordings where torques of drives are known, NaN where none."""
     return _means([row**2 for row in rows], recordings)
 
 
@@ -79,4 +78,4 @@ def left_beside(fitted: FittedModel, columns: Sequence[Float], joint: int) -> tu
         np.concatenate([part[joint][use] for part, use in zip(parts, seen, strict=False)])
         for parts in ([item.torque for item in train], residuals, columns)
     )
-    return tau, left, left_of(rows, tau)
+    return tau, left, tau - rows @ numbers_of(rows.T @ rows, rows.T @ tau)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.measurement.signals.butterworth import WaveProducts
 from exoid.symbolic.joints import LEG
 from exoid.symbolic.motion import Float
 
-AT_ONCE = 32
-"""Nodes of late columns that are computed at once."""
+AT_ONCE = 100_000
+"""Values of columns that are looked at in one piece: so many stay in a processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +29,8 @@ class Columns:
     @property
     def pieces(self) -> list[slice]:
         """The nodes in pieces that are worth having at once."""
-        return [slice(0, len(self.values))]
+        some = max(1, AT_ONCE // max(1, self.values[0].size))
+        return [slice(at, at + some) for at in range(0, len(self.values), some)]
 
     @property
     def is_absent(self) -> bool:
@@ -70,71 +70,15 @@ class Columns:
         return Columns(self.joints, self.values[nodes])
 
 
-class LateColumns(Columns):
-    """Columns at `nodes` (V, S), so many that some of them are computed when they are asked for: memory for all takes
-    longer to get than they take to be computed.
-
-    `at` gives the columns (V, A, K, m) at some nodes, `sums` the products of those at all of them with weights (U, A,
-    K) and weighted signals (S, A, K, Q), where these are to be had without the columns; None elsewhere.
-    """
-
-    def __init__(
-        self,
-        joints: tuple[int, ...],
-        nodes: Float,
-        at: Callable[[Float], Float],
-        sums: Callable[[Float, Float], WaveProducts | None],
-    ) -> None:
-        for name, value in (("joints", joints), ("nodes", nodes), ("at", at), ("sums", sums)):
-            object.__setattr__(self, name, value)
-
-    nodes: Float
-    at: Callable[[Float], Float]
-    sums: Callable[[Float, Float], WaveProducts | None]
-
-    @property
-    def values(self) -> Float:
-        """The columns of all nodes."""
-        return self.at(self.nodes)
-
-    @property
-    def pieces(self) -> list[slice]:
-        """The nodes in pieces that are worth having at once."""
-        return [slice(at, at + AT_ONCE) for at in range(0, len(self.nodes), AT_ONCE)]
-
-    @property
-    def is_absent(self) -> bool:
-        """True if it is known not to act on this recording."""
-        return False
-
-    def some(self, nodes: slice | np.ndarray) -> Columns:
-        """Return the columns of some nodes; of all of them, these."""
-        if isinstance(nodes, slice) and nodes == slice(None):
-            return self
-        return Columns(self.joints, self.at(self.nodes[nodes]))
-
-    def products(self, weights: Float, signals: Float) -> tuple[Float, Float]:
-        """Return the products, as for any columns."""
-        if (found := self.sums(weights[None], signals[None])) is not None:
-            return found.both[0], found.square[0]
-        parts = [self.some(piece).products(weights, signals) for piece in self.pieces]
-        both, square = (np.concatenate(each) for each in zip(*parts, strict=True))
-        return both, square
-
-
 def stacked(parts: Sequence[Sequence[Columns]], joints: int) -> list[Columns]:
     """Return for every recording the columns of several candidates as those of one on all `joints`.
 
     `parts` are each candidate's columns (one node) on the recordings. They are scaled to one size: a ridge is relative
     to the largest column, and would take those of a candidate that counts in other units for nothing.
     """
-    sizes = [_rms(part) or 1.0 for part in parts]
+    counts = [max(1, sum(item.values.size for item in part)) for part in parts]
+    squares = [sum(float(np.sum(item.values**2)) for item in part) for part in parts]
+    sizes = [np.sqrt(square / count) or 1.0 for square, count in zip(squares, counts, strict=True)]
     each = zip(*parts, strict=True)
     full = [[item.full(0, joints) / size for item, size in zip(some, sizes, strict=True)] for some in each]
     return [Columns(tuple(range(joints)), np.concatenate(some, axis=2)[None]) for some in full]
-
-
-def _rms(part: Sequence[Columns]) -> float:
-    """Return the RMS of a candidate's columns over all recordings."""
-    count = max(1, sum(item.values.size for item in part))
-    return float(np.sqrt(sum(float(np.sum(entry.values**2)) for entry in part) / count))

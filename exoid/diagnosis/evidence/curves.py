@@ -12,7 +12,6 @@ import numpy as np
 from exoid.diagnosis.evidence.candidates import own_torques
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.splines import spline_columns
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.joints import LEG, UNITS, Joint
@@ -119,3 +118,23 @@ def _made(now: FittedModel, variable: str, joint: int, factor: str, knots: int) 
         out.append(Columns((joint,), recording.smooth_columns(raw[None], (joint,))[None]))
     grid = np.linspace(low, high, 121)
     return Splines(tuple(out), grid, design(grid))
+
+
+def spline_columns(x: Float, knots: Float, order: int = 3) -> Float:
+    """Return the B-splines (N, M) of degree `order` over `knots` (M + order + 1,) at `x` (N,), which lies within the
+    inner ones (de Boor 1972). SciPy's are the check on them in the tests; importing them takes 0.3 s.
+    """
+    count = len(knots) - order - 1
+    last = np.clip(np.searchsorted(knots, x, side="right") - 1, order, count - 1)
+    # Only order + 1 of them are not zero at a place; each degree follows from the one below.
+    parts = [np.ones(len(x))]
+    for degree in range(1, order + 1):
+        right = [knots[last + 1 + k] - x for k in range(degree)]
+        left = [x - knots[last - k] for k in range(degree)]
+        shares = [part / (right[k] + left[degree - 1 - k]) for k, part in enumerate(parts)]
+        rising = [left[degree - 1 - k] * share for k, share in enumerate(shares)]
+        falling = [right[k] * share for k, share in enumerate(shares)]
+        parts = [a + b for a, b in zip([*falling, np.zeros(len(x))], [np.zeros(len(x)), *rising], strict=True)]
+    out = np.zeros((len(x), count))
+    out[np.arange(len(x))[:, None], last[:, None] - order + np.arange(order + 1)] = np.stack(parts, axis=1)
+    return out

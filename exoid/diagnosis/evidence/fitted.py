@@ -6,6 +6,7 @@ change of a shape already explains.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -18,7 +19,7 @@ from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.fitting.local_shape import own_of_halves, own_shapes, shapes_for
 from exoid.optimisation.fitting.shapes import slope_by_shape
-from exoid.optimisation.linear.loss import huber, huber_terms
+from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.noise import mean_square
 from exoid.optimisation.preparation.prepare import Prepared, judged_anew
@@ -71,7 +72,7 @@ class FittedModel:
     @property
     def evaluation_rms(self) -> Float:
         """RMS residual (J,) in N·m that a reader is shown: of verification recordings, of fitted ones without any."""
-        return self.train_rms if self.verify_rms is None else self.verify_rms
+        return pooled_rms(self.residuals[self._first :], self.prepared.all[self._first :])
 
     @property
     def train_rms(self) -> Float:
@@ -81,29 +82,31 @@ class FittedModel:
     @property
     def verify_rms(self) -> Float | None:
         """RMS residual (J,) over the verification recordings, N·m; None without any."""
-        if not self.prepared.verify:
-            return None
-        return pooled_rms(self.residuals[len(self.prepared.train) :], self.prepared.verify)
+        return self.evaluation_rms if self.prepared.verify else None
 
-    def _unseen(self) -> list[tuple[Float, np.ndarray]]:
-        """Return residual (J, K) and use (J, K) of every verification recording, of the training ones without any."""
-        count = len(self.prepared.train) if self.prepared.verify else 0
-        return [(r, p.used) for r, p in zip(self.residuals[count:], self.prepared.all[count:], strict=True)]
+    @property
+    def _first(self) -> int:
+        """Index of the first recording that is taken as unseen: where none is held out, all are."""
+        return len(self.prepared.train) if self.prepared.verify else 0
+
+    @property
+    def _used(self) -> list[tuple[Float, np.ndarray]]:
+        """Residual (J, K) and use (J, K) of every recording."""
+        return [(r, p.used) for r, p in zip(self.residuals, self.prepared.all, strict=True)]
 
     @property
     def unseen_scale(self) -> Float:
         """Robust standard deviation (J,) of the unseen residual, N·m."""
-        return pooled_scale(self._unseen())
+        return pooled_scale(self._used[self._first :])
 
     def unseen_loss(self, scale: Float, rules: Rules = RULES) -> float:
         """Return the Huber loss of the unseen residual in units of `scale` (J,), both joints together."""
-        limit = np.full(len(scale), rules.robust)
-        return float(sum(huber(np.where(use, r, 0.0) / scale[:, None], limit) for r, use in self._unseen()))
+        return float(sum(np.sum(loss) for loss in self._losses(scale, rules)[self._first :]))
 
     @property
     def scale(self) -> Float:
         """Robust standard deviation (J,) of the residual of all recordings, N·m."""
-        return pooled_scale([(r, p.used) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
+        return pooled_scale(self._used)
 
     def block_losses(self, scale: Float, rules: Rules = RULES) -> Float:
         """Return the Huber loss in strides, or blocks of time, recording after recording, in units of `scale` (J,)."""
@@ -123,16 +126,14 @@ class FittedModel:
         """
         out = []
         for k, (loss, item) in enumerate(zip(self._losses(scale, rules), self.prepared.all, strict=True)):
-            cut = cuts.get(k, 0)
-            for first, last in ((0, cut), (cut, loss.shape[1])) if cut else ((0, loss.shape[1]),):
+            for first, last in itertools.pairwise(sorted({0, cuts.get(k, 0), loss.shape[1]})):
                 starts = item.starts_within(rules.block_seconds, first, last)
                 out.append(np.add.reduceat(loss[:, first:last].sum(axis=0), starts))
         return out
 
     def _losses(self, scale: Float, rules: Rules) -> list[Float]:
         """Return the loss (J, K) of the samples of each recording."""
-        pairs = zip(self.residuals, self.prepared.all, strict=True)
-        return [huber_terms(np.where(p.used, np.abs(r), 0.0) / scale[:, None], rules.robust) for r, p in pairs]
+        return [huber_terms(np.where(use, np.abs(r), 0.0) / scale[:, None], rules.robust) for r, use in self._used]
 
     @property
     def per_recording(self) -> list[tuple[str, Float]]:
@@ -147,27 +148,15 @@ class FittedModel:
         moving = np.sum([recording.used.any(axis=1) for recording in self.prepared.train], axis=0)
         # Without the only recording in which a joint moves nothing would be known of it: then parts are left out.
         parts = [rules.blocks if np.any(moving == 1) else 1] * count + [1] * len(self.prepared.verify)
-        blocks = [
-            _block(self.model, item, self.linear, shape, residual, part)
-            for item, shape, residual, part in zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True)
-        ]
+        every, zeroed = zip(self.prepared.all, self.shapes, self.residuals, parts, strict=True), self.prepared.zeroed
         # Of zeros that were found beside another model a little is left, which is no effect.
-        blocks = [block.beside_offsets(self.prepared.zeroed) for block in blocks]
+        blocks = [_block(self.model, item, self.linear, *rest).beside_offsets(zeroed) for item, *rest in every]
+        train, held = blocks[:count], blocks[count:]
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
-        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0, np.zeros(len(self.prepared.zeroed))])
-        friction = self.model.friction
-        numbers = friction.start, self.linear[friction].reshape(-1, 2)
-        return Evidence(
-            blocks[:count],
-            blocks[count:],
-            seed=seed,
-            draws=draws,
-            sigma=sigma,
-            prior=prior,
-            friction=numbers,
-            rules=rules,
-        )
+        prior = np.concatenate([free, (rules.robust * self.slack) ** -2.0, np.zeros(len(zeroed))])
+        friction = self.model.friction.start, self.linear[self.model.friction].reshape(-1, 2)
+        return Evidence(train, held, seed=seed, draws=draws, sigma=sigma, prior=prior, friction=friction, rules=rules)
 
     def unfiltered(self, index: int) -> tuple[Float, Float]:
         """Return the columns (J, N, P) on recording `index` before the common filter, and the torque (J, N) there that
@@ -281,10 +270,8 @@ def _slack(fit: Fit, model: Model) -> Float:
 
 
 def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:
-    return tuple(
-        item.torque - _filtered_torque(model, item, linear, shape)
-        for item, shape in zip(prepared.all, shapes, strict=True)
-    )
+    pairs = zip(prepared.all, shapes, strict=True)
+    return tuple(item.torque - _filtered_torque(model, item, linear, shape) for item, shape in pairs)
 
 
 def _filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:
@@ -301,15 +288,12 @@ def _block(
     model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, parts: int
 ) -> RecordingEvidence:
     raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
-    columns = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
+    columns = [raw]
+    for k, entry in enumerate(model.shapes):
+        slope = np.zeros(raw.shape[:2])  # by a choice
+        if not entry.shape.choices:
+            slope = slope_by_shape(lambda at: model.torque(one.motion, linear, at), shape, k, entry.shape, SLOPE_STEP).T
+        columns.append(slope[:, :, None])
     smooth = one.smooth_columns(np.concatenate(columns, axis=2))
     path = one.motion.q[one.kept]
     return RecordingEvidence(smooth, residual, one.used, path, one.kept_rate, one.parts(parts), one.starts)
-
-
-def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:
-    """Return ∂τ/∂shape[index] (J, N) before filtering; zero for a choice."""
-    entry = model.shapes[index].shape
-    if entry.choices:
-        return np.zeros((len(model.joints), len(one.motion)))
-    return slope_by_shape(lambda at: model.torque(one.motion, linear, at), shape, index, entry, SLOPE_STEP).T

@@ -19,8 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.gram import Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue
-from exoid.diagnosis.evidence.shifts import draw_shifts, spectra_of, upper_pairs
+from exoid.diagnosis.evidence.gram import RIDGE, Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.symbolic.motion import Float
 
@@ -28,14 +27,10 @@ TOGETHER = 20_000
 """Values of columns that are multiplied at once: more no longer fit into a processor's cache."""
 ROUNDING = 0.01
 """Part of a gain by which ridges, which differ from split to split, may bend what a fit leaves room for."""
-RIDGE = 1e-9
-"""Relative ridge of a candidate, for columns that depend on each other: far below what one must have of its own."""
 FEW = 16
 """Columns of a model at a joint up to which they are taken as they are: those that span them are hardly fewer."""
 SPANNED = 1e-10
 """Size of a direction of these columns, of the largest, that is rounding."""
-LEAST_SCALE = 0.3
-"""Scale of a column for the ridge, of the largest, at least: one that is hardly seen would escape the ridge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +60,11 @@ class RecordingEvidence:
 class Evidence:
     """Gram blocks of the present model on training and verification recordings, ready to weigh candidates.
 
-    Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording (by default as many as
-    `rules` say) are drawn from `seed`. `prior` (P,) is the precision with which each parameter of
-    the model is held where it is, 0 for free ones. `friction` is the place of the first number of friction
-    among them, and dry and viscous friction (J, 2) of every joint; None where nobody asks for them.
+    Frozen after construction. `units` are the recordings' indices and weights (J, K), `of` (U,) the former alone;
+    `draws` shifts per recording (by default as many as `rules` say) are drawn from `seed`. `prior` (P,) is the
+    precision with which each parameter of the model is held where it is, 0 for free ones. `friction` is the place of
+    the first number of friction among them, and dry and viscous friction (J, 2) of every joint; None where nobody asks
+    for them.
     """
 
     def __init__(
@@ -89,21 +85,30 @@ class Evidence:
         self.seed, self.draws = seed, rules.placebos if draws is None else draws
         self.prior = np.zeros(self.train[0].columns.shape[2]) if prior is None else prior
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.train]) if sigma is None else sigma
-        self._units: list[tuple[int, Float]] = []
-        blocks = self.train + self.verify
-        for index, block in enumerate(blocks):
-            weight = robust_weight(block, self.sigma, rules) / self.sigma[:, None] ** 2
+        self.blocks, self.units, bases = self.train + self.verify, list[tuple[int, Float]](), []
+        for index, block in enumerate(self.blocks):
+            columns = block.columns.reshape(-1, block.columns.shape[2])
+            whole = robust_weight(block, self.sigma, rules) / self.sigma[:, None] ** 2
             for fold in np.unique(block.fold):
-                self._units.append((index, np.where(block.fold == fold, weight, 0.0)))
-        self.blocks = blocks
-        self.of = np.array([index for index, _ in self._units])
+                weight = np.where(block.fold == fold, whole, 0.0)
+                self.units.append((index, weight))
+                weighted = columns * weight.ravel()[:, None]
+                square = float(np.sum(weight * block.residual**2))
+                bases.append((weighted.T @ columns, weighted.T @ block.residual.ravel(), square))
+        self._base = [np.array(part) for part in zip(*bases, strict=True)]
+        self.of = np.array([index for index, _ in self.units])
         self.is_train = self.of < len(self.train)
         self._kept: dict[tuple[int, tuple[int, ...]], tuple[slice, Float, Float]] = {}
         self._spans: dict[tuple[int, ...], tuple[Float, list[Float]]] = {}
         self._transforms: dict[tuple[int, tuple[int, ...]], list[tuple[np.ndarray, np.ndarray]]] = {}
-        bases = [self._unit_base(index, weight) for index, weight in self._units]
-        self._base = [np.array(part) for part in zip(*bases, strict=True)]
-        self._fits, self._held_out = self._make_splits()
+        # Every split fits some training units and holds out the others, the last one the verification recordings.
+        training = np.flatnonzero(self.is_train)
+        self.folds = min(len(training), rules.most_folds)
+        held = np.zeros((self.folds + (not self.is_train.all()), len(self.units)))
+        for k in range(self.folds):
+            held[k, training[k :: self.folds]] = 1.0
+        held[self.folds :] = ~self.is_train
+        self._fits, self._held_out = self.fits(self.is_train * (1.0 - held)), self.held_out(held)
         self._losses = self._held_out.loss(self._fits.step[:, :, None])[:, 0]
 
     def forget(self) -> None:
@@ -112,12 +117,6 @@ class Evidence:
             kept.clear()
 
     # -- the present model ------------------------------------------------------------------------------------
-
-    def _unit_base(self, index: int, weight: Float) -> tuple[Float, Float, float]:
-        block = self.blocks[index]
-        columns = block.columns.reshape(-1, block.columns.shape[2])
-        weighted, residual = columns * weight.ravel()[:, None], block.residual.ravel()
-        return weighted.T @ columns, weighted.T @ residual, float(np.sum(weight * block.residual**2))
 
     def pooled(self, units: np.ndarray) -> tuple[Float, Float, Float]:
         """Return G (S, P, P), b (S, P) and c (S,) of the units that are one in each of `units` (S, U)."""
@@ -144,16 +143,6 @@ class Evidence:
             out[list(columns.joints)] -= columns.values[0] @ coefficients
         return np.asarray(out)
 
-    def _make_splits(self) -> tuple[Fits, HeldOut]:
-        """Fits of all splits, and the units that each holds out; the last are the verification recordings."""
-        training = np.flatnonzero(self.is_train)
-        self.folds = min(len(training), self.rules.most_folds)
-        held = np.zeros((self.folds + (not self.is_train.all()), len(self._units)))
-        for k in range(self.folds):
-            held[k, training[k :: self.folds]] = 1.0
-        held[self.folds :] = ~self.is_train
-        return self.fits(self.is_train * (1.0 - held)), self.held_out(held)
-
     @cached_property
     def _together(self) -> Fits:
         """The present model fitted to all training units."""
@@ -169,18 +158,11 @@ class Evidence:
         """Weighted loss (F,) of the present model on each held-out training unit, refitted on the others."""
         return self._losses[: self.folds]
 
-    def portion(self, joints: Sequence[int]) -> float:
-        """Share of `joints` in the weighted squared residual of the training recordings."""
-        each = self.joint_losses
-        return float(each[list(joints)].sum() / each.sum()) if each.any() else 0.0
-
     @cached_property
     def joint_losses(self) -> Float:
         """Weighted squared residual (J,) of the training recordings, joint by joint."""
-        parts = [
-            np.sum(robust_weight(b, self.sigma, self.rules) * b.residual**2, axis=1) / self.sigma**2 for b in self.train
-        ]
-        return np.asarray(np.sum(parts, axis=0))
+        units = [(self.blocks[index].residual, weight) for index, weight in self.units if index < len(self.train)]
+        return np.asarray(np.sum([np.sum(weight * residual**2, axis=1) for residual, weight in units], axis=0))
 
     @property
     def unseen_loss(self) -> float:
@@ -192,7 +174,7 @@ class Evidence:
     def plain(self, columns: Sequence[Columns]) -> Gram:
         """Return the Gram blocks of a candidate, one entry D per node of its shape parameters; no placebos."""
         nodes, _, _, width = columns[0].values.shape
-        rows = np.zeros((self.count, self.prior.size + 1 + width, width, nodes))
+        rows = np.zeros((len(self.units), self.prior.size + 1 + width, width, nodes))
         for unit, into in enumerate(rows):
             if (entry := columns[self.of[unit]]).is_absent:
                 continue
@@ -204,7 +186,7 @@ class Evidence:
             for at in range(0, nodes, some):
                 each = x[at : at + some]
                 both = (each.reshape(len(each) * width, samples) @ own).reshape(len(each), width, -1)
-                into[: -width, :, at : at + some] = both.transpose(2, 1, 0)
+                into[:-width, :, at : at + some] = both.transpose(2, 1, 0)
                 into[-width:, :, at : at + some] = ((each * weight) @ np.swapaxes(each, 1, 2)).transpose(1, 2, 0)
         return Gram(rows)
 
@@ -213,7 +195,7 @@ class Evidence:
         fit looks at, and the weighted columns and residual (S, A, K, P + 1) of the present model for the S units.
         """
         block, rows = self.blocks[index], list(joints)
-        weights = np.array([weight[rows] for of, weight in self._units if of == index])
+        weights = np.array([weight[rows] for of, weight in self.units if of == index])
         both = np.concatenate([block.columns[rows], block.residual[rows, :, None]], axis=2)
         use = block.use[rows].astype(float)
         return np.concatenate([weights, np.ones((1, *use.shape)), use[None]]), weights[..., None] * both
@@ -223,7 +205,7 @@ class Evidence:
         residual (A·K, P + 1) of the present model there.
         """
         if (unit, joints) not in self._kept:
-            index, weight = self._units[unit]
+            index, weight = self.units[unit]
             block, rows = self.blocks[index], list(joints)
             live = np.flatnonzero(weight.any(axis=0))
             part = slice(int(live[0]), int(live[-1]) + 1) if live.size else slice(0, 0)
@@ -235,27 +217,24 @@ class Evidence:
     def shifted(
         self, columns: Sequence[Columns], node: int, *, trained: bool = False, by: Sequence[np.ndarray] | None = None
     ) -> Gram:
-        """Return the Gram blocks of the circularly shifted placebos of one node; `trained`: of the training units
-        alone, `by`: shifted by these numbers of samples (D,) in every recording instead of those drawn.
+        """Return the Gram blocks of the circularly shifted placebos of one node; `trained`: zero for all but the
+        training units, `by`: shifted by these numbers of samples (D,) in every recording instead of those drawn.
         """
-        wanted = np.flatnonzero(self.is_train) if trained else np.arange(self.count)
         shifts = self.shifts if by is None else by
-        spectra: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
         width, lift = columns[0].values.shape[3], self._span(columns[0].joints)[0]
-        rows = np.zeros((len(wanted), lift.shape[1] + 1 + width, width, len(shifts[0])))
-        for unit, into in zip(map(int, wanted), rows, strict=True):
-            index = int(self.of[unit])
+        rows = np.zeros((len(self.units), lift.shape[1] + 1 + width, width, len(shifts[0])))
+        for index in range(len(self.train) if trained else len(self.blocks)):
             if not columns[index].is_absent:
-                if index not in spectra:  # of all parts of a recording
-                    spectra[index] = spectra_of(columns[index], node)
-                self._shift_unit(unit, columns[index], spectra[index], shifts[index], into)
+                spectra = _spectra(columns[index], node)  # of all parts of a recording
+                for unit in np.flatnonzero(self.of == index):
+                    self._shift_unit(int(unit), columns[index], spectra, shifts[index], rows[unit])
         return Gram(rows, lift)
 
     @cached_property
     def shifts(self) -> list[np.ndarray]:
         """Shifts (draws,) of the placebos in every recording, in samples."""
-        motions, rng = [(block.motion, block.rate) for block in self.blocks], np.random.default_rng(self.seed)
-        return draw_shifts(motions, self.draws, rng, self.rules)
+        rng = np.random.default_rng(self.seed)
+        return [_draw_shifts(block, self.draws, rng, self.rules) for block in self.blocks]
 
     @cached_property
     def different_shifts(self) -> tuple[list[np.ndarray], np.ndarray]:
@@ -265,51 +244,34 @@ class Evidence:
         different, back = np.unique(np.stack(self.shifts), axis=1, return_inverse=True)
         return list(different), back.ravel()
 
-    def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float | None = None) -> Float:
+    def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float = RIDGE) -> Float:
         """Gains (draws,) of the placebos of one node; those that are shifted alike are fitted once."""
         different, back = self.different_shifts
         grams = self.shifted(columns, node, by=different)
         return np.asarray(self.gain(grams, ridge).total[back])
 
-    def trained(self, grams: Gram) -> Gram:
-        """Return the Gram blocks of the training units alone."""
-        return Gram(grams.rows[self.is_train], grams.lift)
-
     def exceed(self, grams: Gram, least: float, allowed: Callable[[Float], np.ndarray]) -> np.ndarray:
-        """Mask (D,) of the entries of Gram blocks of the training units that gain `least` or more on units they were
-        not fitted on, with coefficients (D, m) that are `allowed`.
+        """Mask (D,) of the entries of shifted placebos that gain `least` or more on training units they were not fitted
+        on, with coefficients (D, m) that are `allowed`.
 
         On what it was not fitted to a model loses no less than on the same units when they are fitted with the rest.
         So nothing can gain more than a fit to all of them leaves room for, and the others need no splits.
         """
-        pooled, spare, (fits, unseen), losses = self._training
-        coefficients, gain = pooled.gain(grams, self.ridge(), self.prior)
-        room = spare + gain[0]
+        coefficients, gain = self._together.gain(grams, self.prior)
+        room = self._spare + gain[0]
         out = np.asarray(allowed(coefficients[0].T) & (room >= least - ROUNDING * abs(least)))
         if out.any():
-            some = grams.entries(out)
-            coefficients, step, _ = fits.candidate(some, self.ridge())
-            falls = losses[:, None] - unseen.loss_beside(some, coefficients, step)
-            out[out] = falls.sum(axis=0) >= least
+            out[out] = self.gain(grams.entries(out)).total >= least
         return out
 
     @cached_property
-    def _training(self) -> tuple[Fits, float, tuple[Fits, HeldOut], Float]:
-        """The fit to all training units, by how much it leaves less of them, with what holding its numbers costs, than
-        the splits among them do, these, and the model's losses in them.
+    def _spare(self) -> float:
+        """By how much the fit to all training units leaves less of them, with what holding its numbers costs, than the
+        splits among them do.
         """
-        train, fits, unseen, losses = self.is_train, self._fits, self._held_out, self.fold_losses
-        together, folds = self._together, slice(self.folds)
-        least = self.held_out(train[None]).loss(together.step[:, :, None])
-        return (
-            replace(together, units=together.units[:, train]),
-            float(losses.sum() - least[0, 0] - self.prior @ together.step[0] ** 2),
-            (
-                Fits(fits.units[folds, train], fits.inverse[folds], fits.step[folds]),
-                HeldOut(unseen.units[folds, train], unseen.gram[folds], unseen.slope[folds], unseen.constant[folds]),
-            ),
-            losses,
-        )
+        step = self._together.step
+        least = self.held_out(self.is_train[None]).loss(step[:, :, None])[0, 0]
+        return float(self.fold_losses.sum() - least - self.prior @ step[0] ** 2)
 
     def _shift_unit(
         self,
@@ -329,7 +291,7 @@ class Evidence:
         both, square = np.fft.irfft(crossed, samples), np.fft.irfft(squared, samples)
         for each, row in zip(both, into, strict=False):
             np.take(each, shifts, axis=-1, out=row, mode="clip")  # which writes without a copy
-        for each, first, second in zip(square, *upper_pairs(width), strict=True):
+        for each, first, second in zip(square, *np.triu_indices(width), strict=True):
             into[-width + first, second] = into[-width + second, first] = each[shifts]
 
     def _transform(self, unit: int, joints: tuple[int, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -337,7 +299,7 @@ class Evidence:
         and of the weights.
         """
         if (unit, joints) not in self._transforms:
-            index, weight = self._units[unit]
+            index, weight = self.units[unit]
             found = []
             for joint, columns in zip(joints, self._span(joints)[1][index], strict=True):
                 both = np.concatenate([columns.T, self.blocks[index].residual[[joint]]])
@@ -364,16 +326,13 @@ class Evidence:
             self._spans[joints] = lift, [part[:, :, live] @ (turned / size).T for part in parts]
         return self._spans[joints]
 
-    def gain(self, grams: Gram, ridge: float | None = None) -> Gain:
-        """Gain of a candidate with these Gram blocks on units it was not fitted on.
-
-        `ridge` is relative to the candidate's own Gram matrix, by default next to nothing.
-        """
-        coefficients, step, _ = self._fits.candidate(grams, self.ridge(ridge))
+    def gain(self, grams: Gram, ridge: float = RIDGE) -> Gain:
+        """Gain of a candidate with these Gram blocks on units it was not fitted on."""
+        coefficients, step, _ = self._fits.candidate(grams, ridge)
         falls = self._losses[:, None] - self._held_out.loss_beside(grams, coefficients, step)
         if len(falls) > self.folds:
             return Gain(falls[:-1], falls[-1], coefficients[-1].T)
-        return Gain(falls, np.zeros(falls.shape[1]), self._together.candidate(grams, self.ridge(ridge))[0][0].T)
+        return Gain(falls, np.zeros(falls.shape[1]), self._together.candidate(grams, ridge)[0][0].T)
 
     def would_gain(self, grams: Gram, coefficients: Float) -> tuple[Float, Float]:
         """Return by how much the loss on the held-out training units (D,), and on the verification recordings (D,),
@@ -382,27 +341,14 @@ class Evidence:
         falls = self._held_out.would_fall(self._fits, grams, coefficients)
         return falls[: self.folds].sum(axis=0), falls[self.folds :].sum(axis=0)
 
-    @property
-    def count(self) -> int:
-        """Number of units."""
-        return len(self._units)
-
-    def unit(self, number: int) -> tuple[int, Float]:
-        """Return the recording index and the weights (J, K) of a unit."""
-        return self._units[number]
-
-    def held_out_fits(self, grams: Gram, ridge: float | None = None) -> list[tuple[int, Float, Float]]:
+    def held_out_fits(self, grams: Gram, ridge: float = RIDGE) -> list[tuple[int, Float, Float]]:
         """Return (unit, base step (P,), candidate coefficients (m,)) for every held-out unit, fitted on the others."""
-        coefficients, step, _ = self._fits.candidate(grams, self.ridge(ridge))
+        coefficients, step, _ = self._fits.candidate(grams, ridge)
         return [(int(u), step[s, :, 0], coefficients[s, :, 0]) for s, u in np.argwhere(self._held_out.units)]
 
-    def leave_one_out(self, grams: Gram, ridge: float | None = None) -> Float:
+    def leave_one_out(self, grams: Gram, ridge: float = RIDGE) -> Float:
         """Return the candidate's coefficients (F, m) fitted without each training unit in turn (first entry of D)."""
-        return self._fits.candidate(grams, self.ridge(ridge))[0][: self.folds, :, 0]
-
-    def recording_gains(self, grams: Gram) -> tuple[Float, Float]:
-        """Return coefficients (R, m, D) and gain (R, D), each recording fitted alone, base and candidate alike."""
-        return self.alone.candidate(grams, self.ridge())[::2]
+        return self._fits.candidate(grams, ridge)[0][: self.folds, :, 0]
 
     def gains_once(self, grams: Gram, step: Float) -> Float:
         """Return the gain (R, ...) on each recording of a candidate's only column as it is, nothing fitted, the model's
@@ -416,17 +362,7 @@ class Evidence:
 
     def step_beside(self, grams: Gram) -> Float:
         """Steps (P, D) of the model's own numbers when all training units are fitted beside a candidate."""
-        return self._together.candidate(grams, self.ridge())[1][0]
-
-    def friction_beside(self, grams: Gram, joint: int) -> Float | None:
-        """Dry and viscous friction (2, D) of a joint, fitted to all training units beside a candidate; None where
-        they are not known.
-        """
-        if self.friction is None:
-            return None
-        first, numbers = self.friction
-        place = first + 2 * joint
-        return np.asarray(numbers[joint][:, None] + self.step_beside(grams)[place : place + 2])
+        return self._together.candidate(grams)[1][0]
 
     def pick(self, grams: Gram, nodes: np.ndarray) -> Gram:
         """Return Gram blocks made of node `nodes` (R, D) of each recording; D of `grams` is (V, D), or (V, 1)."""
@@ -446,16 +382,35 @@ class Evidence:
         # Two columns of one entry may resemble each other; what counts is that the best of them is new.
         return largest_eigenvalue(left) / np.maximum(largest_eigenvalue(whole), 1e-300)
 
-    def ridge(self, ridge: float | None = None) -> tuple[float, float]:
-        """Return the relative ridge and the least scale it is relative to."""
-        return RIDGE if ridge is None else ridge, LEAST_SCALE
-
-    def fitted(self, grams: Gram, ridge: float | None = None) -> tuple[Float, Float]:
+    def fitted(self, grams: Gram) -> tuple[Float, Float]:
         """Return a candidate's coefficients (m,) and the step (P,) of the model's own numbers, both fitted to all
         training units (first entry of D).
         """
-        coefficients, step, _ = self._together.candidate(grams, self.ridge(ridge))
+        coefficients, step, _ = self._together.candidate(grams)
         return coefficients[0, :, 0], step[0, :, 0]
+
+
+def _spectra(columns: Columns, node: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the conjugate transforms of the columns of one node, and of their products, at each of its joints."""
+    first, second = np.triu_indices(columns.values.shape[3])
+    out = []
+    for x in columns.values[node]:
+        rows = np.ascontiguousarray(x.T)
+        both = np.conj(np.fft.rfft(np.concatenate([rows, rows[first] * rows[second]])))
+        out.append((both[: len(rows)], both[len(rows) :]))
+    return out
+
+
+def _draw_shifts(block: RecordingEvidence, draws: int, rng: np.random.Generator, rules: Rules) -> np.ndarray:
+    """Return shifts (draws,) of a recording in samples, away from zero and from repeats of its motion."""
+    samples, lag = len(block.motion), np.arange(len(block.motion))
+    least = min(int(rules.min_shift * block.rate), samples // 4)
+    centred = block.motion - block.motion.mean(axis=0)
+    alike = np.fft.irfft(np.abs(np.fft.rfft(centred, axis=0)) ** 2, samples, axis=0)
+    alike = (alike / np.maximum(alike[:1], 1e-300)).mean(axis=1)
+    allowed = (lag >= least) & (lag <= samples - least)
+    fresh = np.flatnonzero(allowed & (alike < rules.half))
+    return rng.choice(fresh if fresh.size > 20 else np.flatnonzero(allowed), size=draws)
 
 
 def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,10 @@ of the longest of its effect (a spring across a circle about the joint).
 """
 ABSORBED = 1e-6
 """Share of a column that is new to the model, up to which the model's own parameters take it over."""
+RIDGE = 1e-9
+"""Relative ridge of a candidate, for columns that depend on each other: far below what one must have of its own."""
+LEAST_SCALE = 0.3
+"""Scale of a column for the ridge, of the largest, at least: one that is hardly seen would escape the ridge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,18 +63,6 @@ class Gram:
         return Gram(total.reshape(len(units), *self.rows.shape[1:]), self.lift)
 
     @classmethod
-    def summed(cls, both: Float, square: Float) -> Gram:
-        """Return the Gram blocks from sums of products with model and residual, (U, V, m, P + 1), and of columns with
-        each other, (U, V, m, m).
-        """
-        return cls(np.concatenate([both.transpose(0, 3, 2, 1), square.transpose(0, 2, 3, 1)], axis=1))
-
-    @classmethod
-    def joined(cls, parts: Sequence[Gram]) -> Gram:
-        """Return the Gram blocks of several lots of entries (D,) as one."""
-        return parts[0] if len(parts) == 1 else cls(np.concatenate([p.rows for p in parts], axis=-1))
-
-    @classmethod
     def stacked(cls, nodes: Iterable[Gram], many: int) -> Gram:
         """Return the Gram blocks of so many nodes, each with entries (D,), as one with (V, D); one by one, since
         together they are large.
@@ -97,30 +89,27 @@ class Fits:
     inverse: Float
     step: Float
 
-    def candidate(self, grams: Gram, ridge: tuple[float, float]) -> tuple[Float, Float, Float]:
+    def candidate(self, grams: Gram, ridge: float = RIDGE) -> tuple[Float, Float, Float]:
         """Return candidate coefficients (S, m, D), the step (S, P, D) refitted with them, and the gain (S, D) on what
-        is fitted.
+        is fitted; `ridge` is relative to the candidate's own Gram matrix.
         """
         return self._candidate(grams.of(self.units), ridge)
 
-    def gain(self, grams: Gram, ridge: tuple[float, float], prior: Float) -> tuple[Float, Float]:
+    def gain(self, grams: Gram, prior: Float) -> tuple[Float, Float]:
         """Return candidate coefficients (S, m, D), and (S, D) the gain on what is fitted with what the `prior` (P,) on
-        the model's own numbers then costs; in the few columns that span the model's.
+        the model's own numbers then costs; in the few columns that span the model's, which `grams` have.
         """
-        fitted = grams.of(self.units)
-        if fitted.lift is None:
-            coefficients, step, gain = self._candidate(fitted, ridge)
-            return coefficients, gain + np.einsum("p,spd->sd", prior, step**2)
-        few, lifted = Gram(fitted.rows), self.inverse @ fitted.lift
-        seen = Fits(self.units, fitted.lift.T @ lifted, self.step @ fitted.lift)
-        coefficients, _, gain = seen._candidate(few, ridge)
+        assert grams.lift is not None
+        few, lifted = Gram(grams.of(self.units).rows), self.inverse @ grams.lift
+        seen = Fits(self.units, grams.lift.T @ lifted, self.step @ grams.lift)
+        coefficients, _, gain = seen._candidate(few, RIDGE)
         if (held := np.flatnonzero(prior)).size:
             own = np.einsum("slmd,smd->sld", few.g, coefficients)
             step = self.step[:, held, None] - lifted[:, held] @ own
             gain = gain + np.einsum("p,spd->sd", prior[held], step**2)
         return coefficients, gain
 
-    def _candidate(self, fitted: Gram, ridge: tuple[float, float]) -> tuple[Float, Float, Float]:
+    def _candidate(self, fitted: Gram, ridge: float) -> tuple[Float, Float, Float]:
         g, h = fitted.g, fitted.h
         flat = g.reshape(*g.shape[:2], -1)
         lean = (self.inverse @ flat).reshape(g.shape)  # (S, P, m, D)
@@ -130,9 +119,9 @@ class Fits:
         # The number of a column that is rounding, or that the model contains, would be of any sign.
         shown = (length > NOTHING * longest) & (np.einsum("smmd->smd", schur) > ABSORBED * length**2)
         # A column that the fitted units hardly show must not escape the ridge by being small.
-        scale = np.where(shown, np.maximum(length, ridge[1] * longest), np.inf)
+        scale = np.where(shown, np.maximum(length, LEAST_SCALE * longest), np.inf)
         right = fitted.a - (self.step[:, None] @ flat).reshape(fitted.a.shape)
-        normal = schur / (scale[:, :, None] * scale[:, None]) + ridge[0] * np.eye(len(h[0]))[:, :, None]
+        normal = schur / (scale[:, :, None] * scale[:, None]) + ridge * np.eye(len(h[0]))[:, :, None]
         coefficients = _solved(normal, right / scale) / scale
         step = self.step[:, :, None] - np.einsum("spmd,smd->spd", lean, coefficients)
         return coefficients, step, np.einsum("smd,smd->sd", coefficients, right)
@@ -224,21 +213,3 @@ def inverse_of(grams: Float) -> Float:
 def numbers_of(grams: Float, products: Float) -> Float:
     """Return the numbers (..., P) that normal equations with Gram matrices (..., P, P) and `products` (..., P) have."""
     return np.asarray((inverse_of(grams) @ products[..., None])[..., 0])
-
-
-def weighted_fit(
-    columns: Sequence[Float], weights: Sequence[Float], residuals: Sequence[Float], prior: Float
-) -> tuple[Float, Float]:
-    """Return the inverse (P, P) of the Gram matrix of recordings with columns (J, K, P), weights (J, K), and the step
-    (P,) fitted to their residuals (J, K); `prior` (P,) is the precision with which each number is held.
-    """
-    weighted = [x * w[:, :, None] for x, w in zip(columns, weights, strict=True)]
-    gram = sum(np.tensordot(y, x, ((0, 1), (0, 1))) for y, x in zip(weighted, columns, strict=True))
-    slope = sum(np.tensordot(y, r, ((0, 1), (0, 1))) for y, r in zip(weighted, residuals, strict=True))
-    inverse = inverse_of(gram + np.diag(prior))
-    return inverse, np.asarray(inverse @ slope)
-
-
-def left_of(columns: Float, wanted: Float) -> Float:
-    """Rest of `wanted` (K,) or (K, W) beside columns (K, P), at the numbers that fit it best."""
-    return np.asarray(wanted - columns @ (inverse_of(columns.T @ columns) @ (columns.T @ wanted)))

@@ -35,7 +35,6 @@ from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, is_spatial
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
 from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
-from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
 TIMES: Threshold = 3.0
@@ -76,14 +75,9 @@ class Intermittent:
     foot: str
 
     @property
-    def is_ground(self) -> bool:
-        """True if it pushes as the ground under a foot does."""
-        return bool(self.force or self.foot)
-
-    @property
     def likeness(self) -> str:
         """The sign that it is told by, in words."""
-        return "as the ground under a foot does" if self.is_ground else "and is no function of the motion"
+        return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
 
     def sentence(self, joints: Sequence[Joint]) -> str:
         """The phase in which it acts and how large it is, for people."""
@@ -97,25 +91,33 @@ class Intermittent:
             f"{self.seconds:.2g} s ({100 * self.share:.0f} % of the time){when}. While it acts it makes {sizes[0]} "
             f"(RMS); the rest of the time the model as it is leaves {sizes[1]}, before any filter."
             + "".join(f" {said[0].upper()}{said[1:]}." for said in (self.force, self.foot) if said)
-            + (f" Is it {'the ground under a foot' if self.is_ground else 'a person, or something touched'}?")
+            + (f" Is it {'the ground under a foot' if self.force or self.foot else 'a person, or something touched'}?")
         )
 
 
 @dataclass(frozen=True, eq=False)
 class _View:
     """A recording before the common filter: columns (J, N, P), torque (J, N) without what is known, both over the noise
-    of a sample, and which samples (J, N) are `seen`.
+    of a sample, `scale` (J, 1) N·m, and which samples (J, N) are `seen`; windows are `length` samples long, the link
+    above the last one `reach` m.
     """
 
     recording: PreparedRecording
     columns: Float
     tau: Float
+    scale: Float
     seen: NDArray[np.bool_]
     length: int
+    joints: tuple[Joint, ...]
+    reach: float
 
-    def windows(self) -> Windows:
-        motion = self.recording.motion
-        return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
+    def pushed(self, there: NDArray[np.intp], way: Float, reach: float) -> Float:
+        """Return the torques (K, J) that one newton one `way`, forwards and upwards, asks for `reach` m along the last
+        link, at the samples `there` (K,).
+        """
+        motion, force = self.recording.motion, Force("foot", self.joints[-1].name, ("grf_x", "grf_z"))
+        base = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
+        return pushed_torques(self.joints, motion.q[there], force, reach, np.tile(way, (len(there), 1)), base)
 
 
 def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None:
@@ -126,7 +128,7 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         return None
     sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
     views = [_view(base, index, sample) for index in range(len(base.prepared.all))]
-    parts = [view.windows() for view in views]
+    parts = [windows_of(v.columns, v.tau, v.recording.motion.q, v.recording.motion.dq, v.seen, v.length) for v in views]
     windows = joined(parts)
     found = _quiet_part(windows, rules)
     if found is None:
@@ -141,15 +143,18 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
     rest = [view.tau - view.columns @ x for view in views]
-    weight = [(sample * np.sqrt(0.5 * view.recording.rate))[:, None] for view in views]
-    own = [part * w for part, w in zip(rest, weight, strict=True)]
-    force, foot = _force(base, views, own, acts), _foot(base, views, acts, rules)
+    own = [part * view.scale for part, view in zip(rest, views, strict=True)]
+    joints, force, foot = views[0].joints, "", ""
+    if len(joints) > 1 and joints[-1].turns and not is_spatial(joints):
+        force, foot = _force(views, own, acts), _foot(views, acts, rules)
     far = rules.near_noise * float(np.sqrt(level))
     if not (force or foot) or np.any(_rms(views, rest, acts) < far):
         # What is now large and now small has no quiet part: windows are of two kinds where it has, and three quarters
         # of the other kind are far from it.
-        far_away = np.quantile(losses[away], 0.25) > far**2
-        plain = far_away and all(map(len, episodes)) and _of_two_kinds(losses, quiet) >= rules.most
+        far_away, size = np.quantile(losses[away], 0.25) > far**2, _logarithms(losses)
+        between = float(np.var(np.where(quiet, size[quiet].mean(), size[away].mean())))
+        two_kinds = between / max(float(np.var(size)), 1e-300) >= rules.most
+        plain = far_away and all(map(len, episodes)) and two_kinds
         large = _rms(views, rest, acts) > rules.artefact * far
         if not plain or not np.any(large & _beyond_curves(base, x, acts, rules)):
             return None
@@ -171,12 +176,16 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
 
 def _view(base: FittedModel, index: int, sample: Float) -> _View:
     recording, (columns, known) = base.prepared.all[index], base.unfiltered(index)
-    weight = 1.0 / (sample * np.sqrt(0.5 * recording.rate))[:, None]
+    scale = (sample * np.sqrt(0.5 * recording.rate))[:, None]
+    weight = 1.0 / scale
     seen = ~recording.hidden.T
     edge = int(EDGE * recording.rate)
     seen[:, :edge] = seen[:, len(recording.motion) - edge :] = False
     tau = (recording.wide_tau.T - known) * weight
-    return _View(recording, columns * weight[:, :, None], tau, seen, max(1, round(WINDOW * recording.rate)))
+    length = max(1, round(WINDOW * recording.rate))
+    joints = placed_joints(base.model)
+    reach = joints[-2:][0].length or base.model.thigh_length
+    return _View(recording, columns * weight[:, :, None], tau, scale, seen, length, joints, reach)
 
 
 def _quiet_part(windows: Windows, rules: Rules) -> tuple[Float, NDArray[np.bool_]] | None:
@@ -221,13 +230,6 @@ def _logarithms(losses: Float) -> Float:
     return np.asarray(np.log(np.maximum(losses, FAINT * float(np.median(losses)) + 1e-300)))
 
 
-def _of_two_kinds(losses: Float, quiet: NDArray[np.bool_]) -> float:
-    """Share of the variance of the logarithms of `losses` (M,) that lies between the `quiet` ones and the others."""
-    size = _logarithms(losses)
-    means = np.where(quiet, size[quiet].mean(), size[~quiet].mean())
-    return float(np.var(means) / max(float(np.var(size)), 1e-300))
-
-
 def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return at which samples (N,) it acts, a single window between two of the other kind being of theirs; and those of
     the windows in which it does not for certain.
@@ -265,7 +267,7 @@ def _beyond_curves(base: FittedModel, x: Float, acts: list[NDArray[np.bool_]], r
     moved[: len(x)] = x - base.linear
     left, whole = np.zeros((2, count))
     for unit, step, coefficients in evidence.held_out_fits(evidence.plain(curves), rules.curve_ridge):
-        k, weight = evidence.unit(unit)
+        k, weight = evidence.units[unit]
         there = (weight > 0.0) & acts[k][base.prepared.all[k].kept]
         left += np.sum(evidence.left(k, step, curves[k], coefficients) ** 2 * there, axis=1)
         whole += np.sum(evidence.left(k, moved) ** 2 * there, axis=1)
@@ -301,20 +303,13 @@ def _phase(base: FittedModel, views: list[_View], episodes: list[NDArray[np.int_
     return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
 
 
-def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:
+def _foot(views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:
     """Direction in which a foot on the last link moves while it acts and not otherwise, in words; "" for none."""
-    joints = placed_joints(base.model)
-    if len(joints) < 2 or not joints[-1].turns or is_spatial(joints):
-        return ""
-    reach = joints[-2].length or base.model.thigh_length
-    at = Force("foot", joints[-1].name, ("grf_x", "grf_z"))
     speeds, on = [], []
     for view, act in zip(views, acts, strict=True):
-        motion, there = view.recording.motion, view.seen.all(axis=0)
-        sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
-        forwards = np.tile((1.0, 0.0), (int(there.sum()), 1))
-        asked = pushed_torques(joints, motion.q[there], at, reach, forwards, sway)
-        speeds.append(-np.sum(asked * motion.dq[there], axis=1))  # what one newton forwards works at
+        there = np.flatnonzero(view.seen.all(axis=0))
+        asked = view.pushed(there, np.array([1.0, 0.0]), view.reach)
+        speeds.append(-np.sum(asked * view.recording.motion.dq[there], axis=1))  # what one newton forwards works at
         on.append(act[there])
     acting, speed = np.concatenate(on), np.concatenate(speeds)
     if not acting.any() or acting.all():
@@ -323,22 +318,18 @@ def _foot(base: FittedModel, views: list[_View], acts: list[NDArray[np.bool_]], 
     if max(back, 1.0 - back) < rules.most:
         return ""
     way, other = ("backwards", "forwards") if back > 0.5 else ("forwards", "backwards")
-    return f"a foot on the link after the {joints[-1].name} moves {way} while it acts, and {other} otherwise"
+    return f"a foot on the link after the {views[0].joints[-1].name} moves {way} while it acts, and {other} otherwise"
 
 
-def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]]) -> str:
+def _force(views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]]) -> str:
     """The force on the last link that would do this, in words; "" where none would, or one that pulls downwards.
 
     Two joints are moved by a force at any point of a link alike: it is told for as far along as the link above is long.
     Three tell the point, the one at which a force leaves least.
     """
-    model = base.model
-    joints = placed_joints(model)
-    if len(joints) < 2 or not joints[-1].turns or is_spatial(joints):
-        return ""
-    usual = joints[-2].length or model.thigh_length
-    tried = [usual * part for part in (PLACES if len(joints) > 2 else (1.0,))]
-    found = [_forces(model, views, own, acts, reach) for reach in tried]
+    joints = views[0].joints
+    tried = [views[0].reach * part for part in (PLACES if len(joints) > 2 else (1.0,))]
+    found = [_forces(views, own, acts, reach) for reach in tried]
     best = index_of_least([left for _, left in found])
     (force, left), reach = found[best], tried[best]
     size = np.abs(force[:, 1]).sum()
@@ -352,20 +343,14 @@ def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[N
     )
 
 
-def _forces(
-    model: Model, views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]], reach: float
-) -> tuple[Float, float]:
+def _forces(views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]], reach: float) -> tuple[Float, float]:
     """Return the force (K, 2) on the last link, `reach` m along it, that comes nearest to what acts, and the share of
     its square that this leaves.
     """
-    joints = placed_joints(model)
-    at = Force("ground", joints[-1].name, ("grf_x", "grf_z"))
     forces, whole, left = [], 0.0, 0.0
     for view, x, act in zip(views, own, acts, strict=True):
-        motion, there = view.recording.motion, act & view.seen.all(axis=0)
-        sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
-        ways = [np.tile(way, (int(there.sum()), 1)) for way in np.eye(2)]
-        unit = np.stack([pushed_torques(joints, motion.q[there], at, reach, way, sway) for way in ways], axis=2)
+        there = np.flatnonzero(act & view.seen.all(axis=0))
+        unit = np.stack([view.pushed(there, way, reach) for way in np.eye(2)], axis=2)
         tau, turn = x[:, there].T[:, :, None], unit.swapaxes(1, 2)
         found = np.linalg.solve(turn @ unit + 1e-9 * np.eye(2), turn @ tau)
         whole, left = whole + float(np.sum(tau**2)), left + float(np.sum((tau - unit @ found) ** 2))

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from exoid.diagnosis.evidence.candidates import Candidate, feeds_back, fill_columns, late_columns
+from exoid.diagnosis.evidence.candidates import Candidate, LateColumns, candidate_columns, feeds_back
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.optimisation.fitting.shapes import from_unit
@@ -32,19 +32,13 @@ MOMENTS = (1.12, 1.25, 1.4, 1.6, 1.85, 2.15, 2.6, 3.2, 4.2, 6.0, 10.0)
 
 @dataclass(eq=False)
 class Library:
-    """The candidates for a question, and their columns; those that no parameter can change are kept, the others for as
-    long as the same model is asked about.
+    """The candidates for a question, in the order of the catalogue, and their columns; those that no parameter can
+    change are kept, the others for as long as the same model is asked about.
     """
 
-    entries: tuple[Candidate, ...]
-    _own: dict[str, Candidate] = field(default_factory=dict)
+    candidates: tuple[Candidate, ...]
     _kept: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
     _beside: WeakKeyDictionary[FittedModel, dict[str, tuple[Columns, ...]]] = field(default_factory=WeakKeyDictionary)
-
-    @property
-    def candidates(self) -> tuple[Candidate, ...]:
-        """The candidates, in the order of the catalogue."""
-        return tuple(self._own.get(entry.name, entry) for entry in self.entries)
 
     @property
     def effects(self) -> tuple[Candidate, ...]:
@@ -53,7 +47,7 @@ class Library:
 
     def narrow(self, name: str, nodes: Float) -> None:
         """From now on let the candidate called `name` have these nodes (R, V, S) alone."""
-        self._own[name] = replace(self.find(name), nodes=nodes)
+        self.candidates = tuple(replace(c, nodes=nodes) if c.name == name else c for c in self.candidates)
         for kept in (self._kept, *self._beside.values()):
             kept.pop(name, None)
 
@@ -70,7 +64,8 @@ class Library:
         if candidate.name in (beside := self._beside.get(fitted, {})):
             return beside[candidate.name]
         columns = self._kept[candidate.name] if candidate.name in self._kept else _columns(candidate, fitted)
-        if _lasting(candidate):
+        fine = candidate.nodes.shape[1] > FINE
+        if not candidate.tangent and (fine or not feeds_back(candidate.term)):  # no parameter changes them, or many
             self._kept[candidate.name] = columns
             return columns
         if fitted not in self._beside:
@@ -83,20 +78,8 @@ def _columns(candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
     """Columns of a candidate on every recording; those of many nodes are computed when they are asked for."""
     each = tuple(zip(candidate.nodes, fitted.prepared.all, strict=True))
     if candidate.nodes.shape[1] * candidate.width * len(candidate.joints) > MANY:
-        return tuple(late_columns(candidate, nodes, entry, fitted) for nodes, entry in each)
-    out = []
-    for nodes, item in each:
-        shape = candidate.nodes.shape[1], candidate.width, len(candidate.joints), len(item.kept)
-        columns = Columns(candidate.joints, np.moveaxis(np.zeros(shape), 1, 3))
-        fill_columns(candidate, nodes, item, fitted, columns)
-        out.append(columns)
-    return tuple(out)
-
-
-def _lasting(candidate: Candidate) -> bool:
-    """True if columns are kept beside other models too: no parameter changes them, or they are many."""
-    fine = candidate.nodes.shape[1] > FINE
-    return not candidate.tangent and (fine or not feeds_back(candidate.term))
+        return tuple(LateColumns(candidate, nodes, entry, fitted) for nodes, entry in each)
+    return tuple(candidate_columns(candidate, nodes, entry, fitted) for nodes, entry in each)
 
 
 def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
@@ -145,7 +128,7 @@ def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Seque
     if shape.turns:  # another one for all recordings is other coefficients
         return (0.0,)
     if shape.spacing == "position" and term.joint is not None:
-        return tuple(_places(shape, term, paths))
+        return _places(shape, term, paths)
     if shape.spacing == "time":
         begin = min(float(p.motion.t[0]) for p in paths)
         lasts = max(float(p.motion.t[-1]) for p in paths) - begin

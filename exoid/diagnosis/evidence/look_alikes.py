@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.gram import Gram
+from exoid.diagnosis.evidence.gram import RIDGE
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import TIED, least_of
@@ -51,8 +51,14 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
     """Return the score at the best shape values around `chosen` (R, S), choices as they are, and the columns there."""
     candidate = score.candidate
     entries = list(candidate.term.placed_shape.values())
-    columns = columns_at(candidate, chosen, fitted)
-    best = _one_node(evidence, candidate, chosen, columns, score)
+
+    def weighed(shapes: Float) -> tuple[Score, list[Columns]]:
+        columns = columns_at(candidate, shapes, fitted)
+        found = weigh(evidence, replace(candidate, nodes=shapes[:, None, :]), columns)
+        known = {name: getattr(score, name) for name in ("p_value", "significant", "caution", "agreement")}
+        return replace(found, **known), columns
+
+    best = weighed(chosen)
     # What all recordings share may lie between nodes, and places, which move in all of them together.
     free = [i for i, s in enumerate(entries) if not (s.choices or s.is_own)]
     for index in [] if candidate.tangent else free:
@@ -63,53 +69,36 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
             for step in (-0.5 * reach, 0.5 * reach):
                 trial = chosen.copy()
                 trial[:, index] = [from_unit(entry, to_unit(entry, float(value)) + step) for value in middle]
-                trial_columns = columns_at(candidate, trial, fitted)
-                found = _one_node(evidence, candidate, trial, trial_columns, score)
-                if found.share > best.share + TIED:
-                    best, chosen, columns = found, trial, trial_columns
+                found = weighed(trial)
+                if found[0].share > best[0].share + TIED:
+                    best, chosen = found, trial
             reach *= 0.5
-    return best, columns
-
-
-def placed(candidate: Candidate) -> bool:
-    """True if a candidate sits at a place of its own, beside which its nodes may lie."""
-    return any(s.per_recording and s.spacing == "position" for s in candidate.term.placed_shape.values())
+    return best
 
 
 def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:
     """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
-    return [
-        candidate_columns(candidate, row[None], item, fitted)
-        for row, item in zip(chosen, fitted.prepared.all, strict=True)
-    ]
-
-
-def _one_node(
-    evidence: Evidence, candidate: Candidate, chosen: Float, columns: Sequence[Columns], before: Score
-) -> Score:
-    single = replace(candidate, nodes=chosen[:, None, :])
-    found = weigh(evidence, single, columns)
-    known = {name: getattr(before, name) for name in ("p_value", "significant", "caution", "agreement")}
-    return replace(found, **known)
+    pairs = zip(chosen, fitted.prepared.all, strict=True)
+    return [candidate_columns(candidate, row[None], item, fitted) for row, item in pairs]
 
 
 def look_alikes(
-    evidence: Evidence,
-    best: tuple[Score, list[Columns]],
-    rivals: Sequence[tuple[Score, list[Columns]]],
+    evidence: Evidence, best: tuple[Score, list[Columns]], rivals: Sequence[tuple[Score, list[Columns]]]
 ) -> dict[str, float]:
     """Return the rivals whose held-out loss is not clearly larger than that of the best, and their lag behind it.
 
     The lag is in standard errors of the difference; 0 is a tie. A rival that still gains beside the best one is no
     look-alike but another effect, and so is one that leaves the error of the best one's joints: `leaves_joints`.
     """
-    by_joint, without = (joint_losses(evidence, evidence.plain(some), some) for some in (best[1], _nothing(best[1])))
+    by_joint, without = (joint_losses(evidence, some) for some in (best[1], _nothing(best[1])))
     reference = by_joint.sum(axis=0)
     out: dict[str, float] = {}
     for score, columns in rivals:
-        if gains_beside(evidence, best, score, columns):
+        both = evidence.gain(evidence.plain(stacked([best[1], columns], len(evidence.sigma)))).total[0]
+        beside = float(both) / float(evidence.fold_losses.sum()) - best[0].share
+        if beside > evidence.rules.half * score.share:  # it keeps enough of its gain beside the best to be another one
             continue
-        loss = joint_losses(evidence, evidence.plain(columns), columns)
+        loss = joint_losses(evidence, columns)
         behind = lag(loss.sum(axis=0), reference)
         practically = score.share >= evidence.rules.practically * best[0].share
         elsewhere = leaves_joints(loss, by_joint, without, best[0].candidate, evidence.rules)
@@ -118,15 +107,6 @@ def look_alikes(
         elif behind < evidence.rules.clear and not elsewhere:
             out[score.name] = behind
     return out
-
-
-def gains_beside(
-    evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
-) -> bool:
-    """True if `rival` keeps enough of its gain beside the best one to be another effect."""
-    together = stacked([best[1], columns], len(evidence.sigma))
-    share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
-    return share - best[0].share > evidence.rules.half * rival.share
 
 
 def leaves_joints(loss: Float, than: Float, without: Float, best: Candidate, rules: Rules) -> bool:
@@ -144,8 +124,7 @@ def clearly_helps(evidence: Evidence, columns: Sequence[Columns], cutoff: float)
     some periods of the band of `cutoff` Hz scatter.
     """
     seconds = min(evidence.rules.block_seconds, PERIODS / cutoff)
-    tried = (_nothing(columns), columns)
-    each = [joint_losses(evidence, evidence.plain(some), some, seconds=seconds) for some in tried]
+    each = [joint_losses(evidence, some, seconds=seconds) for some in (_nothing(columns), columns)]
     return lag(*(loss.sum(axis=0) for loss in each)) >= evidence.rules.clear
 
 
@@ -153,22 +132,15 @@ def _nothing(columns: Sequence[Columns]) -> list[Columns]:
     return [Columns(c.joints, np.zeros_like(c.values)) for c in columns]
 
 
-def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
-    """Return the held-out loss of a candidate in strides, or blocks of time, over all units of all splits."""
-    return np.asarray(joint_losses(evidence, grams, columns, ridge).sum(axis=0))
-
-
 def joint_losses(
-    evidence: Evidence,
-    grams: Gram,
-    columns: Sequence[Columns],
-    ridge: float | None = None,
-    seconds: float | None = None,
+    evidence: Evidence, columns: Sequence[Columns], ridge: float = RIDGE, seconds: float | None = None
 ) -> Float:
-    """Return that loss joint by joint (J, blocks)."""
+    """Return the held-out loss beside a candidate's columns (one node) joint by joint in strides, or blocks of time,
+    over all units of all splits (J, blocks).
+    """
     out, seconds = [], evidence.rules.block_seconds if seconds is None else seconds
-    for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
-        index, weight = evidence.unit(unit)
+    for unit, step, coefficients in evidence.held_out_fits(evidence.plain(columns), ridge):
+        index, weight = evidence.units[unit]
         loss = weight * evidence.left(index, step, columns[index], coefficients) ** 2
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)
         blocks = np.searchsorted(evidence.blocks[index].starts(seconds), live, side="right")

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate, feeds_back
-from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
@@ -75,24 +74,18 @@ def power_of(
     """
     present = {term.name for term in fitted.model.terms}
     made = evidence_on(simulated, evidence)
-    found = [
-        _power(item, fitted, evidence, library, made) for item in library.candidates if item.name not in present
-    ]
+    found = [_power(item, fitted, evidence, library, made) for item in library.candidates if item.name not in present]
     return tuple(entry for entry in found if entry is not None)
 
 
 def _power(
-    candidate: Candidate,
-    fitted: FittedModel,
-    evidence: Evidence,
-    library: Library,
-    made: Sequence[Simulated],
+    candidate: Candidate, fitted: FittedModel, evidence: Evidence, library: Library, made: Sequence[Simulated]
 ) -> Power | None:
     """Return the power for one candidate; None where nobody has said how large it usually is."""
     sizes = _usual_sizes(candidate)
     if sizes is None:
         return None
-    entry, usual, coefficients = sizes
+    key, unit, limit, usual, coefficients = sizes
     columns = library.columns(candidate, fitted)
     nodes = _usual_nodes(candidate)
     falls, unseen = evidence.would_gain(evidence.plain([c.some(nodes) for c in columns]), coefficients)
@@ -101,28 +94,23 @@ def _power(
     loss = float(evidence.fold_losses.sum())
     smooths = feeds_back(candidate.term)  # other effects noise of the angles does not make
     needed = least + (needed_beyond_noise(candidate, candidate.nodes[:, node], evidence, made) if smooths else 0.0)
-    wanted = max(needed / (1.0 - min(needed, MOST)) * loss, _by_chance(evidence, columns, node))
+    by_chance = float(evidence.shifted_gains([c.node(node) for c in columns], 0).max(initial=0.0))
+    wanted = max(needed / (1.0 - min(needed, MOST)) * loss, by_chance)
     parts = [(wanted, falls[most])]
     if evidence.unseen_loss:
         parts.append((least * evidence.unseen_loss, unseen[most]))
     with np.errstate(divide="ignore"):
         times = max(float(np.sqrt(np.divide(need, gain))) if gain > 0.0 else np.inf for need, gain in parts)
     term, smallest = candidate.term, SURE * usual * times
-    if smallest > min(usual * LARGEST, np.inf if entry.most is None else entry.most):  # a size that it cannot have
+    if smallest > min(usual * LARGEST, np.inf if limit is None else limit):  # a size that it cannot have
         smallest = np.inf
-    return Power(term.effect.id, term.joint, entry.key, smallest, usual, entry.unit)
+    return Power(term.effect.id, term.joint, key, smallest, usual, unit)
 
 
-class _Told(NamedTuple):
-    """The number that is told of an effect: its `key`, its `unit` at its joint, and the `most` it can be, if any."""
-
-    key: str
-    unit: str
-    most: float | None
-
-
-def _usual_sizes(candidate: Candidate) -> tuple[_Told, float, Float] | None:
-    """Return the number that is told of a candidate, how large it usually is, and its coefficients (m,) then."""
+def _usual_sizes(candidate: Candidate) -> tuple[str, str, float | None, float, Float] | None:
+    """Return the number that is told of a candidate, its unit, the most it can be, if any, how large it usually is, and
+    the candidate's coefficients (m,) then.
+    """
     term = candidate.term
     if term.parameters:
         sizes = np.array([parameter.typical or 0.0 for parameter in term.parameters])
@@ -130,12 +118,12 @@ def _usual_sizes(candidate: Candidate) -> tuple[_Told, float, Float] | None:
             return None
         first = int(np.argmax(sizes != 0.0))
         parameter, key = term.parameters[first], list(term.effect.coefficients)[first]
-        return _Told(key, parameter.unit, parameter.max), abs(float(sizes[first])), sizes
+        return key, parameter.unit, parameter.max, abs(float(sizes[first])), sizes
     (key, shape), *_ = term.placed_shape.items()
     if not shape.typical:
         return None
-    told = _Told(key, shape.unit, shape.max)
-    return told, abs(shape.typical), np.array([shape.typical if candidate.tangent else 1.0])
+    sizes = np.array([shape.typical if candidate.tangent else 1.0])
+    return key, shape.unit, shape.max, abs(shape.typical), sizes
 
 
 def _usual_nodes(candidate: Candidate) -> np.ndarray:
@@ -147,11 +135,6 @@ def _usual_nodes(candidate: Candidate) -> np.ndarray:
             own = to_unit(shape, shape.typical)
             away = away + np.abs([to_unit(shape, float(value)) - own for value in nodes[:, k]])
     return np.flatnonzero(away <= away[index_of_least(away)] + 1e-12)
-
-
-def _by_chance(evidence: Evidence, columns: Sequence[Columns], node: int) -> float:
-    """Return the most that a placebo of a candidate gains at a node."""
-    return float(max(0.0, evidence.shifted_gains([c.node(node) for c in columns], 0).max(initial=0.0)))
 
 
 def power_said(power: Sequence[Power], find: Callable[[str], Effect] = find_effect) -> str:

@@ -15,6 +15,7 @@ from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import RIDGE
 from exoid.diagnosis.evidence.look_alikes import refine
 from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from exoid.diagnosis.evidence.score import weigh
@@ -33,7 +34,7 @@ class BetterCurve:
 
     columns: tuple[Columns, ...]
     data: CurveData
-    ridge: float | None
+    ridge: float
     share: float
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
@@ -69,13 +70,11 @@ def beaten(
     return next((curve for curve in better if curve.supersedes(term)), None)
 
 
-def _better_curves(
-    now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns]
-) -> Iterator[BetterCurve]:
+def _better_curves(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns]) -> Iterator[BetterCurve]:
     """Yield the smooth curves that clearly explain more than a term, common to all recordings or one in each."""
     rules, place = evidence.rules, now.model.joint_names.index(joint)
     for own in (False, True):
-        data = curve_data_per_recording(now, evidence) if own else _on_all(evidence)
+        data = curve_data_per_recording(now, evidence) if own else CurveData((evidence,))
         mine, losses = data.share(term), data.losses(term)
         for variable, factor in tried_curves(now.model.joints):
             if own and not may_move(variable, factor):
@@ -92,19 +91,17 @@ def _better_bumps(
     now: FittedModel, evidence: Evidence, bumps: Sequence[Candidate], term: Sequence[Columns], *, several: bool
 ) -> Iterator[BetterCurve]:
     """Yield the single bumps that explain clearly more than a term, or than `several` practically as much."""
-    common, rules = _on_all(evidence), evidence.rules
+    common, rules = CurveData((evidence,)), evidence.rules
     least = (rules.practically if several else 1.0 / rules.most) * common.share(term)
     for candidate in bumps:
-        columns = [
-            candidate_columns(candidate, nodes, item, now)
-            for nodes, item in zip(candidate.nodes, now.prepared.all, strict=True)
-        ]
+        pairs = zip(candidate.nodes, now.prepared.all, strict=True)
+        columns = [candidate_columns(candidate, nodes, item, now) for nodes, item in pairs]
         score = weigh(evidence, candidate, columns)
         best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
         if several:
             score, best = refine(evidence, score, now)
         if score.share > least:
-            yield BetterCurve(tuple(best), common, None, score.share)
+            yield BetterCurve(tuple(best), common, RIDGE, score.share)
 
 
 def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
@@ -130,21 +127,10 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
             },
             custom=True,
         )
+        places = np.tile(np.quantile(np.concatenate(paths), BUMP_LEVELS), (len(paths), 1))
+        if variable.startswith("q"):
+            places = np.hstack([[np.quantile(path, BUMP_LEVELS) for path in paths], places])
         widths = np.geomspace(0.05, 0.3, 5) * (high - low)
-        pooled = [np.quantile(np.concatenate(paths), BUMP_LEVELS)] * len(paths)
-        each_own = [np.quantile(path, BUMP_LEVELS) for path in paths]
-        tried = [each_own, pooled] if variable.startswith("q") else [pooled]
-        nodes = np.concatenate(
-            [np.array([[(m, w) for m in places for w in widths] for places in each]) for each in tried], axis=1
-        )
+        nodes = np.array([[*itertools.product(row, widths)] for row in places])
         out.append(Candidate(Term(effect, joint, now.model.joints, own_places=True), nodes, False))
     return out
-
-
-def explained_share(evidence: Evidence, columns: Sequence[Columns]) -> float:
-    """Return the share of the loss on held-out units of all recordings that columns (one node) explain."""
-    return _on_all(evidence).share(columns)
-
-
-def _on_all(evidence: Evidence) -> CurveData:
-    return CurveData((evidence,), 1)

@@ -49,8 +49,11 @@ def _wanted(force: Force, base: FittedModel, evidence: Evidence) -> WantedGain |
         if place is None:
             return None
         deviation = (place.high - place.low) / (2.0 * 1.96) / max(abs(place.value), 1e-9)
-        without = _share_of_column(base, list(data.names).index(place.name))
-        return WantedGain(force, float(np.sign(place.value)), deviation, without)
+        left = float(np.sum((data.residual(base.linear) * data.use) ** 2))
+        basis = factorise(np.delete(data.matrix, list(data.names).index(place.name), axis=1)).basis
+        without = data.vector - basis @ (basis.T @ data.vector)
+        share = 1.0 - left / max(float(without @ without), 1e-300)
+        return WantedGain(force, float(np.sign(place.value)), deviation, share)
     # Where its place is free, it is taken at its link's upper joint.
     joints = tuple(range(len(model.joints)))
     made = [force_alone(model, recording, force, force.along) for recording in base.prepared.all]
@@ -72,12 +75,3 @@ def force_alone(model: Model, one: PreparedRecording, force: Force, at: float, g
     signals = force.sign * gain * motion.force[:, first : first + len(force.columns)]
     base = STILL if motion.base is None or model.spatial else BaseMotion(*motion.base.T)
     return one.smooth(pushed_torques(placed_joints(model), motion.q, force, at, signals, base))
-
-
-def _share_of_column(base: FittedModel, place: int) -> float:
-    """Share of the squared error without a parameter's column that the column takes off."""
-    data = base.fit.data
-    left = float(np.sum((data.residual(base.linear) * data.use) ** 2))
-    basis = factorise(np.delete(data.matrix, place, axis=1)).basis
-    without = data.vector - basis @ (basis.T @ data.vector)
-    return 1.0 - left / max(float(without @ without), 1e-300)

@@ -8,27 +8,32 @@ learnt curve, and closed forms that come close, written in the torque language s
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.curves import Splines, may_move, splines_along, tried_curves, variables
+from exoid.diagnosis.evidence.curves import Splines, may_move, splines_along, split_variable, tried_curves, variables
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.gram import Gain
-from exoid.diagnosis.evidence.look_alikes import block_losses
+from exoid.diagnosis.evidence.gram import RIDGE
+from exoid.diagnosis.evidence.look_alikes import joint_losses
 from exoid.diagnosis.plots import curve
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.html import bullets, lines, picture
-from exoid.ground.ties import ascending, index_of_greatest
+from exoid.ground.ties import ascending, index_of_greatest, index_of_least
 from exoid.symbolic.joints import LEG, Joint, names
 from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+PLACES, WIDTHS = np.linspace(0.02, 0.98, 25), np.geomspace(0.01, 0.9, 9)
+"""Where between its bounds a number is tried first: the place of a curve, and its width."""
+ABOUT, FINER, ROUNDS = np.linspace(-0.1, 0.1, 7), 0.7, 40
+"""Where about the best one numbers are tried next, how much nearer every time, and how many times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,11 +127,7 @@ class Suggestion:
 
 
 def remainders(
-    now: FittedModel,
-    evidence: Evidence,
-    joints: Sequence[str] | None = None,
-    *,
-    placebos: int = 3,
+    now: FittedModel, evidence: Evidence, joints: Sequence[str] | None = None, *, placebos: int = 3
 ) -> list[Remainder]:
     """Return every remainder tried at `joints` (default: all), the most telling first, the best `placebos` of them with
     p-values.
@@ -134,7 +135,7 @@ def remainders(
     A curve is tried twice: common to all recordings and evaluated on held-out recordings; and with each recording
     having its own, evaluated on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
     """
-    judges = (CurveData((evidence,), 1), curve_data_per_recording(now, evidence))
+    judges = (CurveData((evidence,)), curve_data_per_recording(now, evidence))
     seen = np.any([p.used.any(axis=1) for p in now.prepared.train], axis=0)
     places = [k for k, name in enumerate(now.model.joint_names) if seen[k] and name in (joints or [name])]
     found = []
@@ -142,9 +143,7 @@ def remainders(
         splines = splines_along(now, variable, place, factor, evidence.rules.knots)
         for data in judges if may_move(variable, factor) else judges[:1]:
             if splines is not None:
-                gained = _weigh(data, splines, place)
-                joint = now.model.joint_names[place]
-                remainder = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **gained)
+                remainder = _weighed(now.model.joints, place, variable, factor, data, splines)
                 found.append((remainder, data, splines.columns))
     # A curve of its own for each recording must earn that freedom.
     found = ascending(found, lambda item: -item[0].share * (evidence.rules.most if item[0].own else 1.0), 1.0)
@@ -164,7 +163,7 @@ class CurveData:
     """
 
     parts: tuple[Evidence, ...]
-    fitted: int
+    fitted: int = 1
     own: bool = False
 
     def of(self, columns: Sequence[Columns]) -> list[tuple[Evidence, Sequence[Columns]]]:
@@ -175,19 +174,15 @@ class CurveData:
         """Loss on held-out units without any curve."""
         return sum(float(part.fold_losses.sum()) for part in self.parts[parts])
 
-    def gains(self, columns: Sequence[Columns], ridge: float | None) -> list[Gain]:
-        """Gain of columns (one node) by each evidence."""
-        return [part.gain(part.plain(some), ridge) for part, some in self.of(columns)]
-
-    def share(self, columns: Sequence[Columns], ridge: float | None = None) -> float:
+    def share(self, columns: Sequence[Columns], ridge: float = RIDGE) -> float:
         """Share of the loss on held-out units of what is fitted that columns (one node) explain."""
         falls = [float(part.gain(part.plain(some), ridge).total[0]) for part, some in self.of(columns)[: self.fitted]]
         return sum(falls) / self.loss(slice(self.fitted))
 
-    def losses(self, columns: Sequence[Columns], ridge: float | None = None) -> Float:
+    def losses(self, columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
         """Losses with columns (one node) in blocks of time, on all that is held out."""
         every = self.of(columns)[: self.fitted]
-        return np.concatenate([block_losses(part, part.plain(some), some, ridge) for part, some in every])
+        return np.concatenate([joint_losses(part, some, ridge).sum(axis=0) for part, some in every])
 
     def p_value(self, columns: Sequence[Columns], share: float) -> float:
         """Share of the placebos of a curve that explain as large a `share`, the curve itself counted among them."""
@@ -199,24 +194,23 @@ class CurveData:
 
 def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> CurveData:
     """Return the evidence of each recording alone, with a torque offset of its own among the columns."""
-    out = []
-    joints = len(now.model.joints)
-    prior = np.append(evidence.prior, np.zeros(joints))
+    out, joints, rules = [], range(len(now.model.joints)), evidence.rules
+    prior = np.append(evidence.prior, np.zeros(len(joints)))
     for index, block in enumerate(evidence.blocks):
         samples = block.residual.shape[1]
-        fold = np.arange(samples) * evidence.rules.blocks // samples
-        folded = replace(block.beside_offsets(range(joints)), fold=fold)
-        alone = Evidence(
-            [folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=evidence.rules
+        folded = [replace(block.beside_offsets(joints), fold=np.arange(samples) * rules.blocks // samples)]
+        out.append(
+            Evidence(folded, [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=rules)
         )
-        out.append(alone)
     return CurveData(tuple(out), len(now.prepared.train), own=True)
 
 
-def _weigh(data: CurveData, splines: Splines, index: int) -> dict[str, Any]:
-    """Gain of a curve at the joint `index`, as fields of a Remainder."""
-    seen, held = slice(data.fitted), slice(data.fitted, None)
-    gains = data.gains(splines.columns, data.parts[0].rules.curve_ridge)
+def _weighed(
+    joints: tuple[Joint, ...], index: int, variable: str, factor: str, data: CurveData, splines: Splines
+) -> Remainder:
+    """Return a curve at the joint `index` with what it gains, without a p-value."""
+    seen, held, ridge = slice(data.fitted), slice(data.fitted, None), data.parts[0].rules.curve_ridge
+    gains = [part.gain(part.plain(some), ridge) for part, some in data.of(splines.columns)]
     falls, loss = np.array([float(gain.total[0]) for gain in gains]), data.loss(seen)
     each = np.sum([part.joint_losses for part in data.parts[seen]], axis=0)
     if data.own:
@@ -225,15 +219,10 @@ def _weigh(data: CurveData, splines: Splines, index: int) -> dict[str, Any]:
         unseen, against = float(gains[0].unseen[0]), data.parts[0].unseen_loss
     share = float(falls[seen].sum()) / loss if loss else 0.0
     y, band = _curve(*data.of(splines.columns)[index_of_greatest(falls)], splines.basis)
-    return {
-        "own": data.own,
-        "share": share,
-        "unseen": unseen / against if against else share,
-        "joint_share": min(1.0, share * float(each.sum() / each[index])) if each[index] else 0.0,
-        "x": splines.x,
-        "y": y,
-        "band": band,
-    }
+    told = unseen / against if against else share
+    of_joint = min(1.0, share * float(each.sum() / each[index])) if each[index] else 0.0
+    found = joints[index].name, variable, factor, share, told, None, splines.x, y, band, data.own
+    return Remainder(*found, joints=joints, joint_share=of_joint)
 
 
 def least_of_a_curve(rules: Rules) -> float:
@@ -255,3 +244,60 @@ def _curve(evidence: Evidence, columns: Sequence[Columns], basis: Float) -> tupl
     count = len(curves)
     spread = np.sqrt((count - 1) / count * np.sum((curves - curves.mean(axis=0)) ** 2, axis=0))
     return y - y.mean(), 1.96 * spread
+
+
+def suggest(one: Remainder) -> tuple[Suggestion, ...]:
+    """Return closed forms for a learnt curve, best first: a bump, a step, a wave, powers."""
+    word = _word(one)
+    x, y = one.x, one.y - one.y.mean()
+    torque = one.joints[one.index].unit("tau")
+    unit = torque if one.variable == "load" else variables(one.joints)[one.variable][1]
+    per = f"{torque}·s/{one.joints[one.index].unit('q')}" if one.factor == "speed" else torque
+    span = float(np.ptp(x))
+    factor = {"sign": " * sgn(dtheta)", "speed": " * dtheta"}.get(one.factor, "")
+    forms = (
+        (f"c * exp(-(({word} - m)/w)**2){factor}", lambda p: np.exp(-(((x - p[0]) / p[1]) ** 2)), ""),
+        (f"c * tanh(({word} - m)/w){factor}", lambda p: np.tanh((x - p[0]) / p[1]), ""),
+        (f"c * ({word} - m)**2{factor}", lambda p: (x - p[0]) ** 2, f"/({unit})²"),
+        (f"c * ({word} - m)**3{factor}", lambda p: (x - p[0]) ** 3, f"/({unit})³"),
+    )
+    out = []
+    total = float(np.sum(y**2))
+    if not total:
+        return ()
+    for text, shape, power in forms:
+        numbers = 1 if power else 2
+        low = np.array([x.min() - 0.2 * span, 0.02 * span][:numbers])
+        high = np.array([x.max() + 0.2 * span, 1.5 * span][:numbers])
+
+        def misfit(p: Float, shape: Any = shape) -> Float:
+            g = shape(p[..., None])
+            g = g - g.mean(axis=-1, keepdims=True)
+            c = (g @ y) / np.maximum(np.sum(g * g, axis=-1), 1e-300)
+            return np.asarray(y - c[..., None] * g)
+
+        best, left = _least_squares(misfit, low, high)
+        values = {key: (unit, low[k], high[k], float(best[k])) for k, key in enumerate("mw"[:numbers])}
+        out.append(Suggestion(text, 1.0 - left / total, {"c": per + power}, values))
+    return tuple(ascending((s for s in out if s.share > 0.3), lambda s: -s.share, 1.0))
+
+
+def _least_squares(misfit: Callable[[Float], Float], low: Float, high: Float) -> tuple[Float, float]:
+    """Point between `low` and `high` (S,) where the sum of squares of `misfit`, which takes (S, ...), is lowest, and
+    that sum: the best of a grid over all of it, then of finer and finer ones about the best.
+    """
+    tried = np.array(list(itertools.product(PLACES, WIDTHS)))[:, : len(low)]
+    about = np.array(list(itertools.product(*[ABOUT] * len(low))))
+    for k in range(ROUNDS):
+        squares = np.sum(misfit((low + tried * (high - low)).T) ** 2, axis=1)
+        best = index_of_least(squares)
+        at, left = tried[best], float(squares[best])
+        tried = np.clip(at + FINER**k * about, 0.0, 1.0)
+    return low + at * (high - low), left
+
+
+def _word(one: Remainder) -> str:
+    kind, index = split_variable(one.variable)
+    stem = {"q": "theta", "dq": "dtheta", "ddq": "ddtheta", "load": "tau_rigid", "t": "t"}[kind]
+    word = stem if index in (one.index, -1) else f"{stem}{index + 1}"
+    return f"abs({word})" if one.directed and kind == "dq" else word

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.candidates import Candidate
-from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.candidates import Candidate, LateColumns
+from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.gram import ABSORBED, Gain, Gram
 from exoid.diagnosis.rules import Rules
@@ -20,10 +19,43 @@ from exoid.symbolic.motion import Float
 
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
-AT_ONCE = 100_000
-"""Values of columns that are looked at in one piece."""
 TOGETHER = 10_000
 """Nodes times placebos that are fitted at once: more need memory, and wait for it."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """In how many splits a term is `accepted`, of those that can tell (`of`), and the `ranges` of its parameters there.
+
+    `against` are indices of the recordings that, set aside, lose by it. `splits` counts those that cannot tell too,
+    `recordings` what they are splits of; `mute`: the split that is in use, of fitted and held-out recordings, cannot
+    tell.
+    """
+
+    accepted: int = 0
+    of: int = 0
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    against: tuple[int, ...] = ()
+    splits: int = 0
+    recordings: int = 0
+    mute: bool = False
+
+    @property
+    def share(self) -> float | None:
+        """The share of splits in which the term is accepted; None where no split can tell."""
+        return self.accepted / self.of if self.of else None
+
+    def enough(self, rules: Rules) -> bool:
+        """True if so many splits agree that the term may be accepted; without splits nothing speaks against it."""
+        return self.share is None or self.share >= rules.most
+
+    def repeats(self, rules: Rules) -> bool:
+        """True if nearly all splits of many recordings agree: so many do not by chance, whichever are held out.
+
+        Those that cannot tell count against it; where that in use is one of them, most of all must.
+        """
+        told = self.of if self.mute and self.of > rules.half * self.splits else self.splits
+        return self.recordings >= rules.many_recordings and self.accepted >= (1.0 - rules.level) * told
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +76,6 @@ class Score:
     folds: Float
     unseen: float | None
     coefficients: Float
-    novelty: float
     helps: bool = False
     agreement: Agreement | None = None
     steady: bool = True
@@ -94,9 +125,8 @@ def above_noise(before: Float, after: Float) -> float:
 def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) -> Score:
     """Return the score of a candidate at its best node, without placebos."""
     grams, active = _looked_at(evidence, columns)
-    novelty = evidence.novelty(grams)
     rules = evidence.rules
-    alive = (novelty > ABSORBED) & (active >= rules.negligible)
+    alive = (evidence.novelty(grams) > ABSORBED) & (active >= rules.negligible)
     possible = alive & _friction_is_possible(evidence, candidate, grams)
     if not possible.any():
         nodes = np.zeros(len(columns), dtype=int)
@@ -104,12 +134,11 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         text = "the model's own parameters already contain it, on this motion"
         if alive.any():
             text = "dry or viscous friction of its joint would be negative beside it"
-        return Score(
-            candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text
-        )
+        return Score(candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), caution=text)
     best: tuple[np.ndarray, Gain] | None = None
     wrong, whole = 0.0, float(evidence.fold_losses.sum())
-    for nodes, gain in _choices(evidence, candidate, grams, possible):
+    choices = _choices(evidence, candidate, grams, possible)
+    for nodes, gain in choices:
         right = admissible(candidate, gain.coefficients, rules)[0]
         total = float(gain.total[0])
         if right and (best is None or total > best[1].total[0] + TIED * whole):
@@ -117,7 +146,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         elif not right:
             wrong = max(wrong, total)
     if best is None or wrong > 2.0 * max(float(best[1].total[0]), 0.0):
-        nodes, gain = best or next(iter(_choices(evidence, candidate, grams, possible)))
+        nodes, gain = best or choices[0]
         text = "fits best with a sign that this effect cannot have" if wrong > rules.least_share * whole else ""
     else:
         (nodes, gain), text = best, ""
@@ -126,24 +155,14 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
-    joint_share = min(1.0, share / portion) if (portion := evidence.portion(columns[0].joints)) else 0.0
+    losses = evidence.joint_losses
+    own = float(losses[list(columns[0].joints)].sum())
+    joint_share = min(1.0, share * float(losses.sum()) / own) if own else 0.0
     helps = share >= rules.least_share and (unseen is None or unseen >= rules.least_share)
     if candidate.reads_torque:  # one that is misread leaves much
         helps = helps and joint_share >= rules.little
-    steady = harmless(rules, gain.folds[:, 0])
-    return Score(
-        candidate,
-        nodes,
-        share,
-        folds,
-        unseen,
-        gain.coefficients[0],
-        float(novelty[nodes[0]]),
-        helps,
-        steady=steady,
-        caution=text,
-        joint_share=joint_share,
-    )
+    found = Score(candidate, nodes, share, folds, unseen, gain.coefficients[0], helps, caution=text)
+    return replace(found, steady=harmless(rules, gain.folds[:, 0]), joint_share=joint_share)
 
 
 def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Float]:
@@ -155,13 +174,14 @@ def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Fl
         if len(found) == len(columns):
             train = found[: len(evidence.train)]
             whole, seen = (np.sum([np.trace(p.square[k], axis1=1, axis2=2) for p in train], axis=0) for k in (-2, -1))
-            grams = Gram.summed(
-                np.concatenate([p.both for p in found]), np.concatenate([p.square[: len(p.both)] for p in found])
-            )
-            return grams, _share_active(evidence, [p.largest for p in train], whole, seen)
+            active = _share_active(evidence, [p.largest for p in train], whole, seen)
+            both = np.concatenate([p.both for p in found]).transpose(0, 3, 2, 1)
+            square = np.concatenate([p.square[: len(p.both)] for p in found]).transpose(0, 2, 3, 1)
+            return Gram(np.concatenate([both, square], axis=1)), active
     parts = [[c.some(piece) for c in columns] for piece in columns[0].pieces]
     pieces = [(evidence.plain(part), _active(evidence, part)) for part in parts]
-    return Gram.joined([gram for gram, _ in pieces]), np.concatenate([share for _, share in pieces])
+    grams = Gram(np.concatenate([gram.rows for gram, _ in pieces], axis=-1))
+    return grams, np.concatenate([share for _, share in pieces])
 
 
 def harmless(rules: Rules, gains: Float) -> bool:
@@ -197,24 +217,19 @@ def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.nd
 
 def _friction_is_possible(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
     """Mask (V,) of the nodes beside which the friction that a candidate bends stays positive."""
-    friction = evidence.friction_beside(grams, candidate.term.first) if candidate.term.effect.bends_friction else None
-    return np.ones(grams.rows.shape[-1], dtype=bool) if friction is None else np.all(friction >= 0.0, axis=0)
+    if evidence.friction is None or not candidate.term.effect.bends_friction:
+        return np.ones(grams.rows.shape[-1], dtype=bool)
+    (first, numbers), joint = evidence.friction, candidate.term.first
+    place = first + 2 * joint
+    return np.all(numbers[joint][:, None] + evidence.step_beside(grams)[place : place + 2] >= 0.0, axis=0)
 
 
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
     """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
-    train = columns[: len(evidence.train)]
-    nodes = len(train[0].values)
-    some = max(1, AT_ONCE * nodes // max(1, sum(c.values.size for c in train)))  # so many stay in a processor's cache
-    parts = [[Columns(c.joints, c.values[at : at + some]) for c in train] for at in range(0, nodes, some)]
-    return np.concatenate([_active_nodes(evidence, part) for part in parts])
-
-
-def _active_nodes(evidence: Evidence, train: Sequence[Columns]) -> Float:
     largest: list[Float] = []
     whole: Float = np.zeros(())
     seen = whole
-    for c, block in zip(train, evidence.train, strict=True):
+    for c, block in zip(columns, evidence.train, strict=False):  # strictly the first, which are fitted
         nodes, count, samples, width = c.values.shape
         if c.is_absent:
             largest.append(np.zeros((nodes, samples)))
@@ -282,7 +297,7 @@ def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.nda
     """Return the node (R, D) at which a candidate gains most where each recording is fitted alone."""
     shape = grams.rows.shape[3:]
     flat = Gram(grams.rows.reshape(*grams.rows.shape[:-2], -1), grams.lift)
-    coefficients, gain = evidence.recording_gains(flat)
+    coefficients, _, gain = evidence.alone.candidate(flat)
     right = [admissible(candidate, each.T, evidence.rules) for each in coefficients]
     best = tied(-np.where(right, gain, -np.inf).reshape(-1, *shape), float(evidence.fold_losses.sum()), axis=1)
     return np.asarray(np.argmax(best, axis=1))

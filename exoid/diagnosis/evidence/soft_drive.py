@@ -22,7 +22,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
-from exoid.diagnosis.evidence.gram import weighted_fit
+from exoid.diagnosis.evidence.gram import numbers_of
 from exoid.diagnosis.evidence.swinging import swinging
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.minimum import minimum
@@ -96,9 +96,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             beside = fitted is base and drive.name in added and len(added) > 1
             # What explains unseen motion better than the motion it was fitted to does so by chance.
             left = max(share, _share_left(drive.fitted[asked], last.train_rms[asked], noise[asked]))
-            if left <= (rules.most if beside else rules.half) and np.all(
-                drive.after <= drive.before * (1.0 + ~asked)
-            ):
+            if left <= (rules.most if beside else rules.half) and np.all(drive.after <= drive.before * (1.0 + ~asked)):
                 found.append(drive)
     return least_of(found, lambda one: one.share, 1.0) if found else None
 
@@ -209,9 +207,13 @@ def _left(
     weights = [link.one.used / scale[:, None] ** 2 for link in links[:count]]
     for _ in range(rounds):
         pairs = [link.read(compliance, linear) for link in links]
-        columns, wanted = zip(*pairs[:count], strict=True)
+        gram = slope = np.zeros(())
+        for (columns, wanted), weight in zip(pairs, weights, strict=False):  # the first, which are fitted
+            rows = columns[:, :, free].reshape(weight.size, -1)
+            weighted = rows * weight.reshape(-1, 1)
+            gram, slope = gram + weighted.T @ rows, slope + weighted.T @ wanted.ravel()
         linear = np.zeros(len(linear))
-        linear[free] = weighted_fit([x[:, :, free] for x in columns], weights, wanted, np.zeros(free.sum()))[1]
+        linear[free] = numbers_of(gram, slope)
     return [wanted - columns @ linear for columns, wanted in pairs]
 
 

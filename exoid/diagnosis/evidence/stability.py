@@ -16,12 +16,11 @@ from math import comb
 
 import numpy as np
 
-from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
-from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gain import Evidence, robust_weight
 from exoid.diagnosis.evidence.gram import Fits, inverse_of
-from exoid.diagnosis.evidence.score import Score, admissible
+from exoid.diagnosis.evidence.score import Agreement, Score, admissible
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import order_of
 from exoid.optimisation.fitting.identify import identify
@@ -58,22 +57,22 @@ class Splits:
     def __init__(self, evidence: Evidence) -> None:
         self.held_out = splits_of(len(evidence.blocks), len(evidence.verify), evidence.rules)
         self.evidence, self.rules = evidence, evidence.rules
-        held = np.array([np.isin(evidence.of, k) for k in self.held_out], dtype=bool).reshape(-1, evidence.count)
+        held = np.array([np.isin(evidence.of, k) for k in self.held_out], dtype=bool).reshape(-1, len(evidence.units))
         self.fits, self.unseen = evidence.fits(~held), evidence.held_out(held)
         self.losses = self.unseen.loss(self.fits.step[:, :, None])[:, 0]
 
     @cached_property
     def _pooled(self) -> Fits:
         """The model fitted to everything."""
-        return self.evidence.fits(np.ones((1, self.evidence.count)))
+        return self.evidence.fits(np.ones((1, len(self.evidence.units))))
 
     def candidate(self, score: Score, columns: Sequence[Columns]) -> Agreement:
         """Return in how many splits the candidate of `score`, with its columns (one node), helps."""
         if not self.held_out:
             return self._agreement(np.zeros((0, 3)), {})
-        grams, ridge = self.evidence.plain(columns), self.evidence.ridge()
-        pooled = self._pooled.candidate(grams, ridge)[0][0, :, 0]
-        own, step, _ = self.fits.candidate(grams, ridge)
+        grams = self.evidence.plain(columns)
+        pooled = self._pooled.candidate(grams)[0][0, :, 0]
+        own, step, _ = self.fits.candidate(grams)
         gain = self.losses - self.unseen.loss_beside(grams, own, step)[:, 0]
         right = admissible(score.candidate, own[:, :, 0], self.rules)
         # What the fitted ones show of it: its fall there, the model's own numbers fitted to the same.
@@ -90,10 +89,8 @@ class Splits:
         """
         rivals, gains = (fitted.model, fitted.model.without(name)), []
         recordings = fitted.prepared.all
-        weights = [np.zeros(block.residual.shape) for block in self.evidence.blocks]
-        for unit in range(self.evidence.count):
-            index, weight = self.evidence.unit(unit)
-            weights[index] += weight
+        sigma = self.evidence.sigma
+        weights = [robust_weight(block, sigma, self.rules) / sigma[:, None] ** 2 for block in self.evidence.blocks]
         for held in self.held_out:
             kept, unseen = (tuple(p for k, p in enumerate(recordings) if (k in held) == out) for out in (False, True))
             split, losses = replace(fitted.prepared, train=kept, verify=unseen), []
@@ -105,51 +102,40 @@ class Splits:
             gains.append(losses[1] - losses[0])
         return self.term(fitted, name, gains)
 
-    def term(self, fitted: FittedModel, name: str, gains: Sequence[float] | None = None) -> Agreement:
+    def term(self, fitted: FittedModel, name: str, gains: Sequence[float] | Float | None = None) -> Agreement:
         """Return in how many splits the accepted term `name` of the model helps, and the ranges of its numbers; `gains`
         are those in every split, where they are known.
         """
         model = fitted.model
-        names = [p.term for p in model.parameters] + [s.term for s in model.shapes]
-        now = np.zeros(self.evidence.prior.size)
-        now[: len(names)] = np.concatenate([fitted.linear, fitted.shape])
-        mine = np.arange(now.size) < len(names)
-        mine[mine] = [n == name for n in names]
+        entries = [(p.term, p.name) for p in model.parameters] + [(s.term, s.name) for s in model.shapes]
+        now, mine = np.zeros(self.evidence.prior.size), np.zeros(self.evidence.prior.size, dtype=bool)
+        now[: len(entries)] = np.concatenate([fitted.linear, fitted.shape])
+        mine[: len(entries)] = [term == name for term, _ in entries]
+        rest = ~mine
         # Without its coefficients a term is nothing; one without coefficients is nothing where its first number is 0.
         linear = mine & (np.arange(mine.size) < fitted.linear.size)
-        off = linear if linear.any() else mine & (np.cumsum(mine) == 1)
-        rest = ~mine
-        rows, values = [], []
+        gone = np.where(linear if linear.any() else mine & (np.cumsum(mine) == 1), -now, 0.0)
         grams, slopes, _ = self.evidence.pooled(self.fits.units)
-        for number, (gram, slope) in enumerate(zip(grams + np.diag(self.evidence.prior), slopes, strict=True)):
-            gone = np.where(off, -now, 0.0)
-            without = gone.copy()
-            reduced = inverse_of(gram[np.ix_(rest, rest)])
-            without[rest] = reduced @ (slope[rest] - gram[np.ix_(rest, mine)] @ gone[mine])
-            lean = np.zeros(now.size)
-            lean[mine] = now[mine] * off[mine]
-            lean[rest] = -reduced @ gram[np.ix_(rest, mine)] @ lean[mine]
-            if gains is None:
-                gain = self.unseen.loss(np.tile(without, (len(grams), 1))[:, :, None])[number, 0] - self.losses[number]
-            else:
-                gain = gains[number]
-            numbers = now + self.fits.step[number]
-            admitted = self._possible(fitted, name, numbers)
-            rows.append((gain if admitted else -np.inf, lean @ self.unseen.gram[number] @ lean, lean @ gram @ lean))
-            values.append(numbers)
-        known = [p.name.removeprefix(f"{name}.") for p in model.parameters]
-        known += [s.name.removeprefix(f"{name}.") for s in model.shapes]
-        own = [v[mine] for v in values]
-        return self._agreement(np.array(rows), _ranges([known[k] for k in np.flatnonzero(mine)], own))
-
-    @staticmethod
-    def _possible(fitted: FittedModel, name: str, numbers: Float) -> bool:
-        """True if the coefficients of a term lie within their physical bounds."""
-        return all(
-            (p.min is None or value >= p.min) and (p.max is None or value <= p.max)
-            for p, value in zip(fitted.model.parameters, numbers, strict=False)
+        grams = grams + np.diag(self.evidence.prior)
+        reduced, taken = inverse_of(grams[:, rest][:, :, rest]), grams[:, rest][:, :, mine] @ gone[mine]
+        without, lean = (np.tile(start, (len(grams), 1)) for start in (gone, -gone))
+        without[:, rest] = (reduced @ (slopes[:, rest] - taken)[:, :, None])[:, :, 0]
+        lean[:, rest] = (reduced @ taken[:, :, None])[:, :, 0]
+        if gains is None:
+            gains = self.unseen.loss(without[:, :, None])[:, 0] - self.losses
+        values = (now + self.fits.step)[:, mine]
+        bounds = [
+            (-np.inf if p.min is None else p.min, np.inf if p.max is None else p.max)
+            for p in model.parameters
             if p.term == name
-        )
+        ]
+        low, high = np.array(bounds).reshape(-1, 2).T
+        coefficients = values[:, : len(bounds)]
+        right = np.all((coefficients >= low) & (coefficients <= high), axis=1)
+        expected, seen = (np.einsum("sp,spq,sq->s", lean, gram, lean) for gram in (self.unseen.gram, grams))
+        known = [entry.removeprefix(f"{name}.") for term, entry in entries if term == name]
+        rows = np.column_stack([np.where(right, gains, -np.inf), expected, seen])
+        return self._agreement(rows, _ranges(known, values))
 
     def _agreement(self, rows: Float, ranges: Mapping[str, tuple[float, float]]) -> Agreement:
         """Count rows of (gain on what is held out, gain expected there, how much the fitted ones show)."""
@@ -168,7 +154,7 @@ class Splits:
         return Agreement(int((tells & agrees).sum()), told, ranges, against, len(gain), recordings, mute)
 
 
-def _ranges(names: Sequence[str], values: Sequence[Float] | Float) -> dict[str, tuple[float, float]]:
+def _ranges(names: Sequence[str], values: Float) -> dict[str, tuple[float, float]]:
     """Return from where to where each number went over the splits; {} without splits."""
     if not len(values) or len(names) != len(values[0]):
         return {}

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.signals.conditioning import response_seconds
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.prepare import Prepared
-from exoid.symbolic.motion import Motion
 
 
 def searched_stretches(prepared: Prepared, rules: Rules = RULES) -> Prepared:
@@ -76,20 +76,10 @@ def _cut(one: PreparedRecording, start: float, stretch: float, name: str) -> Pre
     kept = one.kept[inside]
     reach = int(np.ceil(response_seconds(one.cutoff) * one.rate)) + 1
     first, last = max(0, int(kept[0]) - reach), min(len(one.motion), int(kept[-1]) + reach + 1)
-    motion = one.motion
-    t, q, dq, ddq, sign = (x[first:last] for x in (motion.t, motion.q, motion.dq, motion.ddq, motion.sign))
-    base, force, load = (None if x is None else x[first:last] for x in (motion.base, motion.force, motion.load))
-    around = Motion(t, q, dq, ddq, sign, motion.payload, base, force, load)
-    return replace(
-        one,
-        name=name,
-        motion=around,
-        torque=one.torque[:, inside],
-        used=one.used[:, inside],
-        kept=kept - first,
-        wide_tau=one.wide_tau[first:last],
-        stuck=one.stuck[first:last],
-        hidden=one.hidden[first:last],
-        read=None,
-        direction=one.direction and replace(one.direction, velocity=one.direction.velocity[first:last]),
-    )
+    whole = {key: getattr(one.motion, key) for key in ("t", "q", "dq", "ddq", "sign", "base", "force", "load")}
+    parts: dict[str, Any] = {key: None if x is None else x[first:last] for key, x in whole.items()}
+    rows = {key: getattr(one, key)[first:last] for key in ("wide_tau", "stuck", "hidden")}
+    rows |= {key: getattr(one, key)[:, inside] for key in ("torque", "used")}
+    direction = one.direction and replace(one.direction, velocity=one.direction.velocity[first:last])
+    motion = replace(one.motion, **parts)
+    return replace(one, name=name, motion=motion, kept=kept - first, read=None, direction=direction, **rows)

@@ -130,29 +130,21 @@ def strides_of(fitted: FittedModel) -> Strides | None:
 
 def _mean(x: Float) -> Float:
     """Return the mean (J, P) of strides (S, J, P) where at least half of them have one, NaN elsewhere."""
-    known = np.isfinite(x)
-    count = known.sum(axis=0)
-    total = np.where(known, x, 0.0).sum(axis=0)
-    return np.where(count >= 0.5 * max(len(x), 2), total / np.maximum(count, 1), np.nan)
+    count = np.isfinite(x).sum(axis=0)
+    return np.where(count >= 0.5 * max(len(x), 2), np.nansum(x, axis=0) / np.maximum(count, 1), np.nan)
 
 
 def _deviation(x: Float) -> Float:
-    """Return the standard deviation (J, P) of strides (S, J, P)."""
     return np.asarray(np.sqrt(_mean((x - _mean(x)) ** 2)))
 
 
 def _over_phases(band: Float) -> Float:
-    known = np.isfinite(band)
-    square = np.where(known, band, 0.0) ** 2
-    return np.asarray(np.sqrt(square.sum(axis=1) / np.maximum(known.sum(axis=1), 1)))
+    return np.asarray(np.sqrt(np.nansum(band**2, axis=1) / np.maximum(np.isfinite(band).sum(axis=1), 1)))
 
 
 def _again(rest: Float) -> Float:
     """Return the share (J,) of the power of errors (S, J, P) that two strides have in common."""
-    known = np.isfinite(rest)
-    x = np.where(known, rest, 0.0)
-    total, count = x.sum(axis=0), known.sum(axis=0)
-    square = (x**2).sum(axis=0)
+    total, square, count = np.nansum(rest, axis=0), np.nansum(rest**2, axis=0), np.isfinite(rest).sum(axis=0)
     pairs = np.maximum(count * (count - 1), 1)
     common = np.where(count > 1, (total**2 - square) / pairs, 0.0).sum(axis=1)
     whole = np.where(count > 1, square / np.maximum(count, 1), 0.0).sum(axis=1)

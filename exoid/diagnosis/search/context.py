@@ -13,13 +13,12 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pa
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import columns_at
-from exoid.diagnosis.evidence.model_error import noise_with
-from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
-from exoid.diagnosis.evidence.own_sway import own_sway
+from exoid.diagnosis.evidence.model_error import noise_with, repeats
 from exoid.diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chance
-from exoid.diagnosis.evidence.repeats import repeats
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.simulated import made_by_itself
+from exoid.diagnosis.evidence.swinging import ENTRY as SWAY
+from exoid.diagnosis.evidence.swinging import own_sway
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.doubt import Objection, doubt
 from exoid.diagnosis.search.state import Extension, State

@@ -12,10 +12,9 @@ from exoid.diagnosis.evidence.columns import Columns, stacked
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import columns_at
-from exoid.diagnosis.evidence.proxies import BetterCurve, beaten, explained_share
-from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
+from exoid.diagnosis.evidence.proxies import BetterCurve, beaten
+from exoid.diagnosis.evidence.remainder import CurveData, Remainder, remainders, significant, suggest
 from exoid.diagnosis.evidence.score import Score
-from exoid.diagnosis.evidence.suggestions import suggest
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext, as_fitted
 from exoid.diagnosis.search.state import Extension, State
@@ -100,7 +99,7 @@ def _in_turn(without: Callable[..., _Without], here: Sequence[str], single: Sequ
     """Yield a joint's terms together, then one by one: of two that imitate each other the weaker is beaten first."""
     if len(here) > 1:
         yield without(*here)
-    yield from ascending(map(without, single), lambda item: explained_share(item.evidence, item.columns), 1.0)
+    yield from ascending(map(without, single), lambda item: CurveData((item.evidence,)).share(item.columns), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
