@@ -25,7 +25,7 @@ Int = NDArray[np.int64]
 LEAST_SHARE: Threshold = 0.01
 """share of a joint's squared error that is worth a line: what curves follow by chance"""
 SLOW: Threshold = 0.1
-"""rad/s below which a joint counts as slow: errors of reversal spread over all speeds"""
+"""rad/s, or as much of a slide, below which a joint counts as slow: errors of reversal spread over all speeds"""
 AT_LIMIT: Threshold = 0.05
 """share of the range at either end that counts as its end: a stop hides in the whole range"""
 BINS = 24
@@ -130,15 +130,17 @@ def _with_regions(now: FittedModel, joint: str, found: dict[str, Where], left: F
     A region of a variable that has a line already is said there; another counts with what is `left` (K,) of the error.
     """
     number = now.model.joint_names.index(joint) + 1
+    moved = now.model.joints[number - 1]
+    slow, unit = SLOW * moved.reach, moved.unit("q")
     at = samples_of(now, joint, f"q{number}", train=True)
     error, rest = at.y**2, left**2
     total = float(error.sum())
     edge = AT_LIMIT * float(np.ptp(at.x))
     high, low = at.x.max() - edge, at.x.min() + edge
     regions = (
-        (f"dq{number}", np.abs(at.speed) < SLOW, f"within ±{SLOW:g} rad/s, where it creeps or reverses"),
-        (f"q{number}", at.x > high, f"above {high:.2f} rad, at the upper end"),
-        (f"q{number}", at.x < low, f"below {low:.2f} rad, at the lower end"),
+        (f"dq{number}", np.abs(at.speed) < slow, f"within ±{slow:g} {unit}/s, where it creeps or reverses"),
+        (f"q{number}", at.x > high, f"above {high:.2f} {unit}, at the upper end"),
+        (f"q{number}", at.x < low, f"below {low:.2f} {unit}, at the lower end"),
     )
     more = []
     for variable, mask, words in regions:

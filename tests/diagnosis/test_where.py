@@ -10,6 +10,7 @@ import pytest
 
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.where import samples_of, where_it_sits
+from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
 
@@ -98,6 +99,12 @@ def test_a_region_is_said_where_it_holds_more_error_than_every_region_does(insid
 
     sentences = [one.sentence for one in where_it_sits(model_that_left(residual), []) if one.joint == "knee"]
     assert any(said in text for text in sentences) if said else not sentences
+
+
+def test_a_slide_is_measured_in_metres():
+    now = model_that_left(lambda motion: 3.0 * (motion.q[:, 1] > -0.33))
+    now.model = Model("crane", joints=(Joint("arm", length=0.4), Joint("knee", "prismatic")))
+    assert any("above -0.35 m, at the upper end" in item.sentence for item in where_it_sits(now, []))
 
 
 @pytest.mark.parametrize(("share", "lines"), [(0.015, 1), (0.008, 0)])

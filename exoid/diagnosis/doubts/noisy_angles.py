@@ -12,12 +12,13 @@ WHEN, ORDER = BEFORE, 10
 
 def doubt(asked: Asked) -> Doubt | None:
     """Doubt where noise makes too much of the accelerations at the slowest useful cut-off."""
-    prepared, names = asked.base.prepared, asked.base.model.joint_names
+    prepared, joints = asked.base.prepared, asked.base.model.joints
     share = prepared.acceleration_noise
     if not share > asked.rules.angle_noise:
         return None
     density = np.max([recording.angle_noise * 0.5 * recording.full_rate for recording in prepared.train], axis=0)
-    size = " and ".join(f"{x:.2g}" for x in np.sqrt(density)) + f" rad at {' and '.join(names)}"
+    pairs = zip(np.sqrt(density), joints, strict=True)
+    size = " and ".join(f"{x:.2g} {joint.unit('q')} at {joint.name}" for x, joint in pairs)
     return Doubt(
         f"noise of the angles makes {100 * share:.0f} % of the accelerations, at {prepared.choice.cutoff:g} Hz",
         f"The angles are too noisy for their accelerations ({size}): at the slowest useful cut-off "
