@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,6 +64,8 @@ def test_a_motion_for_rivals_that_differ():
     assert all(use.holds for use in found.uses)
     assert list(found.to_frame().columns) == ["truth", "rival", "designed", "at_random", "present"]
     assert found.needed < found.duration and "σ apart" in repr(found) and "<pre>" in found._repr_html_()
+    blind = replace(found, apart=dict.fromkeys(found.apart, 0.0))
+    assert "no time would be enough" in blind.sentence
 
 
 def test_the_distance_grows_with_size_and_with_the_root_of_time():

@@ -87,7 +87,8 @@ class Separation(AsJson):
             now = min(self.present.values())
             text += f", and {now:.1f} σ in the {self.present_seconds:.0f} s of the present recordings"
         if min(self.apart.values()) < ENOUGH:
-            text += f"; for {ENOUGH:g} σ it would take {self.needed:.0f} s"
+            took = f"it would take {self.needed:.0f} s" if self.needed < math.inf else "no time would be enough"
+            text += f"; for {ENOUGH:g} σ {took}"
         return ". ".join([text, *blind]) + "."
 
     def __repr__(self) -> str:

@@ -105,8 +105,8 @@ def check_conventions(
     if found is None and len(recordings) > 1:
         odd = recordings
         if spatial:  # where asking takes long: those that leave far more than another one
-            left = [_stands(part) if (part := smoothed([item])) else 0.0 for item in recordings]
-            odd = [item for item, share in zip(odd, left, strict=True) if share >= max(LEAST, TIMES * min(left))]
+            left = {item: _stands(part) for item in recordings if (part := smoothed([item]))}
+            odd = [item for item, share in left.items() if share >= max(LEAST, TIMES * min(left.values()))]
         asked = [([item], better_reading([item], weighs, forces)) for item in odd]
     findings = []
     for some, better in asked:

@@ -50,12 +50,12 @@ def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gra
     shares = np.concatenate([_shares(motion, joints, pull, count) for motion in motions])
     least, most = shares.min(axis=0), shares.max(axis=0)
     alike = (least > 0.0) & (most < ALIKE * least)
-    far = alike & (most < 1.0 / FAR)
+    driven = np.array([joint.turns and joint.name not in recordings[0].passive for joint in joints])
+    far = alike & (most < 1.0 / FAR) & driven
     if not far.any():
         return ()
     times = 1.0 / np.where(far, np.median(shares, axis=0), 1.0)
     times[~far] = np.median(times[far])  # of wrists masses say little: the file does not have their payload
-    driven = [joint.turns and joint.name not in recordings[0].passive for joint in joints]
     right = alike & (most > 1.0 / ALIKE)  # a log keeps one side of the gears
     geared = np.flatnonzero(driven & ~right).tolist()
     line = ",".join(f"{joints[k].name}-motor-torque={digits(float(times[k]), 2)}" for k in geared)

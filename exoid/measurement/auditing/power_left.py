@@ -20,7 +20,6 @@ from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothes
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
-from exoid.measurement.reading.conventions import Map
 from exoid.measurement.recording import Recording
 from exoid.symbolic.force import Force
 from exoid.symbolic.joints import Joint, Vector, is_spatial, parents
@@ -158,7 +157,7 @@ class Sums:
 
 
 def _sums(motion: Smooth, shares: Float, tau: Float, kind: ConventionHypothesis, stops: bool = True) -> Sums:
-    read = replace(_turned(motion, kind.map), elsewhere=kind.sums or motion.elsewhere)
+    read = _read_so(motion, kind)
     y = machine_columns(read)
     y = np.concatenate([y, _stops(read.q)], axis=2) if stops else y
     joints, count, size = y.shape
@@ -178,10 +177,11 @@ def _sums(motion: Smooth, shares: Float, tau: Float, kind: ConventionHypothesis,
     return Sums(grams, slope, np.sum(tau**2, axis=2), _near(read.joints), either_sign(read))
 
 
-def _turned(motion: Smooth, to: Map) -> Smooth:
-    """Return the `motion` with its angles read in another way."""
-    turn = to.angle.T
-    return replace(motion, q=motion.q @ turn + to.zero, dq=motion.dq @ turn, ddq=motion.ddq @ turn)
+def _read_so(motion: Smooth, reading: ConventionHypothesis) -> Smooth:
+    """The `motion` with its angles read in another way; drives whose torques are summed may stand elsewhere."""
+    turn, elsewhere = reading.map.angle.T, reading.sums or motion.elsewhere
+    q, dq, ddq = motion.q @ turn + reading.map.zero, motion.dq @ turn, motion.ddq @ turn
+    return replace(motion, q=q, dq=dq, ddq=ddq, elsewhere=elsewhere)
 
 
 def _stops(q: Float) -> Float:
@@ -261,7 +261,7 @@ def _windows(motion: Smooth, reading: ConventionHypothesis, scale: Float) -> Win
     """Return the windows of a motion read in another way, in its own torques: no reading gains by mixing them."""
     rows, back = slice(motion.keep.start, motion.keep.stop), np.linalg.inv(reading.map.torque)
     offsets = np.repeat(np.eye(len(back))[:, None], len(motion.q), axis=1)
-    columns = np.concatenate([offsets, machine_columns(_turned(motion, reading.map))], axis=2)[:, rows]
+    columns = np.concatenate([offsets, machine_columns(_read_so(motion, reading))], axis=2)[:, rows]
     columns = np.tensordot(back, columns, 1) / np.maximum(scale, 1e-12)[:, None, None]
     tau = ((motion.tau - motion.tau.mean(axis=0))[rows] / np.maximum(scale, 1e-12)).T
     seen = np.broadcast_to(motion.measured[rows], tau.shape)

@@ -12,7 +12,7 @@ import numpy as np
 
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least, least_of
-from exoid.measurement.auditing.channels import place
+from exoid.measurement.auditing.channels import place, place_of_all
 from exoid.measurement.auditing.non_negative import non_negative
 from exoid.measurement.auditing.power_left import Sums, smoothed_groups, sums_as_they_stand
 from exoid.measurement.finding import Finding
@@ -53,7 +53,7 @@ def check(recording: Recording) -> list[Finding]:
 
 def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
-    found = _factor(recordings, f"{len(recordings)} recordings together") if is_leg(recordings[0].joints) else []
+    found = _factor(recordings, place_of_all(recordings)) if is_leg(recordings[0].joints) else []
     return tuple(item for item in found if item.value is not None and _is_plain(item.value))
 
 
