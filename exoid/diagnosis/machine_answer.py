@@ -110,13 +110,14 @@ def _inside(asking: Asking, base: FittedModel) -> tuple[Searched, Diagnosis]:
 
     several = len(recordings) + len(verify) > 1
     agreements = agreements_of(done.context, state) if several else {}
-    possible = possible_of(done.context, state, several)
+    possible, split = possible_of(done.context, state, several), [item.name for item in done.context.prepared.all]
     if splits == ALL and several:
+        split = [item.name for item in (*asking.recordings, *asking.verify)]
         agreements, possible = _from_scratch(asking.part(0.5, 0.96), state.names)
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
-    accepted = accepted_of(extensions, agreements, done.context, question.own)
+    accepted = accepted_of(extensions, agreements, split, done.context, question.own)
     soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
         possible = possible_beside(soft, accepted, possible, rules)

@@ -172,7 +172,7 @@ def stability_of(
         unit = "" if units.get(name, "1") in ("1", "") else f" {units[name]}"
         text += f", {said(name)} {low:.3g} to {high:.3g}{unit}"
     if against and agreement.accepted < agreement.of:
-        text += f"; it loses where {', '.join(against)} are held out"
+        text += f"; it loses where {', '.join(against)} {'are' if against[1:] else 'is'} held out"
     return text
 
 

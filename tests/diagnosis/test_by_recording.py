@@ -597,6 +597,17 @@ def timed(k, fast, numbers, stop=0.0):
     return Recording(f"run_{k}", t, seen + 1e-5 * noise[0], tau + 0.03 * noise[1], joints=AXIS.joints)
 
 
+def test_one_clock_of_several_that_are_all_fast_runs_faster_still():
+    """It was told as a drift of friction; with its clock put right a recording has other strides to be compared in."""
+    runs = [timed(k, 0.005 if k == 2 else 0.002, NUMBERS) for k in range(5)]
+    found = discover(AXIS, runs[:4], runs[4])
+    assert found.verdict == "adequate" and not found.accepted
+    every, own = sorted((item.values for item in found.of_recordings), key=len, reverse=True)
+    assert [value.value for value in every.values()] == pytest.approx([0.002] * 5, abs=5e-6)
+    assert {name: value.value for name, value in own.items()} == pytest.approx({"run_2": 0.003}, abs=5e-6)
+    assert "in run_2 than in the other recordings" in found.sentence
+
+
 def test_channels_that_a_search_leaves_in_doubt_have_to_beat_what_belongs_to_recordings():
     """A stop is most of the torque, and the numbers are none of a machine as long as the clock is not known."""
     runs = [timed(k, 0.004, [0.05, 0.1, 0.3, 0.1], stop=150.0) for k in range(4)]

@@ -128,7 +128,7 @@ def test_two_recordings_do_not_veto_what_nearly_all_splits_of_eight_support():
 def test_what_splits_say_in_words():
     text = stability_of(Agreement(83, 84, {"c": (0.0031, 0.0042)}, (5,)), {"c": "kg·m²"}, ["run_05"])
     assert text == (
-        "accepted in 83 of 84 splits of the recordings, c 0.0031 to 0.0042 kg·m²; it loses where run_05 are held out"
+        "accepted in 83 of 84 splits of the recordings, c 0.0031 to 0.0042 kg·m²; it loses where run_05 is held out"
     )
     assert stability_of(Agreement(), {}) == ""
 
@@ -208,6 +208,19 @@ def test_the_same_motion_is_as_much_however_fast_it_was(times):
     prepared = slowed(search(OFFSET, ["torque_offset:knee"]).prepared, times)
     assert fitted_seconds(prepared) == pytest.approx(33.0 * times, rel=0.02)
     assert little_motion(prepared, RULES) == ""
+
+
+def test_stops_on_the_way_are_no_turns():
+    prepared = search(OFFSET, ["torque_offset:knee"]).prepared
+
+    def stepped(each):
+        t = np.linspace(0.0, 6.0, len(each.motion.t))
+        q, dq = each.motion.q.copy(), each.motion.dq.copy()
+        q[:, 1], dq[:, 1] = np.floor(t) + np.minimum(2.0 * (t % 1.0), 1.0), 2.0 * (t % 1.0 < 0.5)
+        return replace(each, motion=replace(each.motion, q=q, dq=dq))
+
+    part = replace(prepared, train=tuple(map(stepped, prepared.train[:1])), choice=replace(prepared.choice, cutoff=9.0))
+    assert "hold 1 stroke of the knee" in little_motion(part, RULES, (1,))
 
 
 def test_what_a_joint_showed_in_few_strokes_is_not_accepted_there():

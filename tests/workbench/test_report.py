@@ -24,7 +24,13 @@ from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, FakeModel, f
 from exoid.diagnosis.extend import Waterfall
 from exoid.diagnosis.report import sections
 from exoid.diagnosis.report.material import Material
-from exoid.diagnosis.report.page import figure_file_name, find_sections, render_report, write_report
+from exoid.diagnosis.report.page import (
+    figure_file_name,
+    find_sections,
+    number_in_page,
+    render_report,
+    write_report,
+)
 from exoid.diagnosis.results import Step
 from exoid.diagnosis.sureness import MEANINGS
 from exoid.ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
@@ -259,3 +265,8 @@ def test_two_new_files_are_a_new_section(tmp_path, monkeypatch):
         assert "<p>hello t &amp; u</p>" in render_report(Material(title="t & u"))
     finally:
         sys.modules.pop("exoid.diagnosis.report.sections.greeting", None)
+
+
+@pytest.mark.parametrize(("value", "text"), [(999.4, "999"), (999.7, "1000"), (1234.5, "1234"), (0.00012345, "0.000123")])
+def test_numbers_are_written_out_from_a_thousand_on(value, text):
+    assert number_in_page(value) == text

@@ -48,7 +48,8 @@ def _strokes(one: PreparedRecording, rules: Rules = RULES) -> np.ndarray:
     """Number of strokes (J,) of each joint, those left out that are short beside its range."""
     count = []
     for q, dq, reach in zip(one.motion.q[one.kept].T, one.motion.dq[one.kept].T, one.reach, strict=True):
-        turns = np.flatnonzero(np.diff(np.sign(dq)))
+        moving = np.flatnonzero(dq)  # where it stops for a while it turns back once, or not at all
+        turns = moving[np.flatnonzero(np.diff(np.sign(dq[moving])))]
         least = max(STILL * reach, rules.worth_telling * float(np.ptp(q)))
         count.append(np.count_nonzero(np.abs(np.diff(q[np.concatenate([[0], turns, [-1]])])) >= least))
     return np.array(count)

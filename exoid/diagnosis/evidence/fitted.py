@@ -119,13 +119,18 @@ class FittedModel:
         return np.concatenate(parts, axis=1)
 
     def recording_losses(
-        self, scale: Float, rules: Rules = RULES, cuts: Mapping[int, int] = MappingProxyType({})
+        self,
+        scale: Float,
+        rules: Rules = RULES,
+        cuts: Mapping[int, int] = MappingProxyType({}),
+        beside: Prepared | None = None,
     ) -> list[Float]:
         """Return the loss in blocks of each recording, all joints together; of those that are cut at a sample, in
-        blocks of what comes before it and after it.
+        blocks of what comes before it and after it. Blocks are those of the recordings `beside` which it is compared:
+        at other times a motion may have other strides.
         """
-        out = []
-        for k, (loss, item) in enumerate(zip(self._losses(scale, rules), self.prepared.all, strict=True)):
+        out, recordings = [], (beside or self.prepared).all
+        for k, (loss, item) in enumerate(zip(self._losses(scale, rules), recordings, strict=True)):
             for first, last in itertools.pairwise(sorted({0, cuts.get(k, 0), loss.shape[1]})):
                 starts = item.starts_within(rules.block_seconds, first, last)
                 out.append(np.add.reduceat(loss[:, first:last].sum(axis=0), starts))

@@ -177,7 +177,7 @@ class CurveData:
     def share(self, columns: Sequence[Columns], ridge: float = RIDGE) -> float:
         """Share of the loss on held-out units of what is fitted that columns (one node) explain."""
         falls = [float(part.gain(part.plain(some), ridge).total[0]) for part, some in self.of(columns)[: self.fitted]]
-        return sum(falls) / self.loss(slice(self.fitted))
+        return sum(falls) / max(self.loss(slice(self.fitted)), 1e-300)
 
     def losses(self, columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
         """Losses with columns (one node) in blocks of time, on all that is held out."""

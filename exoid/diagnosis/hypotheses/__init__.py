@@ -113,9 +113,9 @@ class Claim:
     shown: tuple[float, str] | None = None
 
     @property
-    def key(self) -> tuple[str, str | None]:
-        """The hypothesis and the place, by which a claim `of_motion` is known in other fits."""
-        return self.what, self.place
+    def key(self) -> tuple[str, str | None, str, bool]:
+        """Key by which a claim is known in other fits: all recordings may have a number, and one of them another."""
+        return self.what, self.place, self.of, self.common
 
     @property
     def of_motion(self) -> bool:

@@ -29,4 +29,6 @@ def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
         return f"{than_usual(another, when)}: {each_said(values)}"
     if len(values) > 1 and len(set(values.values())) == 1:
         return f"The zero of the {claim.place} torque sensor is {next(iter(values.values()))} in all recordings"
+    if len(values) == 1:
+        return f"The {claim.place} torque sensor (or its encoder) has a zero of its own: {each_said(values)}"
     return f"The {another} in each recording: {each_said(values)}"

@@ -16,7 +16,7 @@ def predicts_better(last: FittedModel, rival: FittedModel, rules: Rules, cuts: C
     """True where a model beside what belongs to recordings, or to the parts into which `cuts` divide some, predicts
     clearly better than the `last` one without, and unseen motion not worse by a part worth telling.
     """
-    once, then = (item.recording_losses(last.scale, rules, cuts) for item in (last, rival))
+    once, then = (item.recording_losses(last.scale, rules, cuts, last.prepared) for item in (last, rival))
     worse = rival.unseen_loss(last.scale, rules) > (1.0 + rules.worth_telling) * last.unseen_loss(last.scale, rules)
     return not worse and falls_clearly(once, then, rules, rules.clear)
 

@@ -127,7 +127,7 @@ class _Search:
             if self.many > 1 and (more := self._of_everyone(state)) != state:
                 state = more
                 self.fits.weigh(state)
-            if sum(not held.claim.everyone for held in state) >= self.ways:
+            if sum(not (held.claim.everyone or held.claim.common) for held in state) >= self.ways:
                 break
             longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
             alike = [(*state, held) for held in self._common(state)]
@@ -149,8 +149,9 @@ class _Search:
 
     def settled(self, state: State) -> State:
         """The claims without those that are needless, each at the node that fits best."""
+        state = self._at_other_angles(state)
         self.fits.weigh(state)
-        return self._with_middles(_placed(self.fits, self._pruned(self._at_other_angles(state))))
+        return self._with_middles(_placed(self.fits, self._pruned(state)))
 
     def _at_other_angles(self, state: State) -> State:
         """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
@@ -160,15 +161,12 @@ class _Search:
         if len(state) - len(rest) < 2 or len(rest) >= self.ways:
             return state
         self.fits.weigh(rest)
-        turned = [self._grown(rest, held) for held in self._promising(rest) if held.claim.turns is not None]
+        turned = [(*rest, self._grown(rest, held)) for held in self._promising(rest) if held.claim.turns is not None]
         if not turned:
             return state
-        rival = least_of([(*rest, held) for held in turned], self.fits.weighed_loss, 1.0)
+        rival = least_of(turned, self.fits.weighed_loss, 1.0)
         self.fits.weigh(rival)
-        if np.isfinite(self.fits.loss(rival)) and not self.fits.pays(rival, state, self.clear):
-            state = rival
-        self.fits.weigh(state)
-        return state
+        return rival if np.isfinite(self.fits.loss(rival)) and not self.fits.pays(rival, state, self.clear) else state
 
     def _of_everyone(self, state: State) -> State:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those

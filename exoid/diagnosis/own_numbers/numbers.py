@@ -37,8 +37,8 @@ class Belonging(AsJson):
     """Numbers that belong to recordings: `values` {recording: its own} in `unit`, at a joint or link, as a `sentence`.
 
     Those that are not named are as usual. `place` is where a load is, m; None where it has none or nobody can tell.
-    `spans` {recording: (from, until)} in s are those of recordings of which it holds in one part only; `tell` makes the
-    sentence of such values.
+    `spans` {recording: (from, until)} in s are those of recordings of which it holds in one part only; `claim` is the
+    key of what is claimed, `tell` makes the sentence of such values.
     """
 
     what: str
@@ -48,6 +48,7 @@ class Belonging(AsJson):
     sentence: str
     place: Estimate | None
     spans: Mapping[str, Span]
+    claim: tuple[Any, ...]
     tell: Callable[[Mapping[str, Estimate]], str] = field(repr=False)
 
     def _json(self) -> dict[str, Any]:
@@ -219,9 +220,10 @@ class OwnNumbers:
         return first.keys() == new.keys() and all(new[k].low <= e.value <= new[k].high for k, e in first.items())
 
     @property
-    def by_recording(self) -> dict[tuple[str, str | None, str], Estimate]:
-        """The numbers that are told, by what they are, joint or link, and recording."""
-        return {(b.what, b.joint, name): e for b in self.told for name, e in b.values.items()}
+    def by_recording(self) -> dict[tuple[Any, ...], Estimate]:
+        """The numbers that are told, by the claim, the recording, and whether they hold from its beginning."""
+        entries = ((b, name, b.spans.get(name, (None, None))[0] is None) for b in self.told for name in b.values)
+        return {(*b.claim, name, early): b.values[name] for b, name, early in entries}
 
     def mixed_with(self, fitted: FittedModel, rules: Rules) -> frozenset[str]:
         """Names of the numbers of a model that do what each recording has: of either only their sum is known."""
@@ -386,7 +388,7 @@ def _told(fits: Fits, own: OwnNumbers, held: Claimed, spread: Spread, mine: slic
         ordered = {name: values[name] for name in words}
         if mixed:
             ordered = {name: replace(value, low=-np.inf, high=np.inf) for name, value in ordered.items()}
-        out.append(Belonging(claim.what, claim.place, unit, ordered, tell(ordered), place, spans, tell))
+        out.append(Belonging(claim.what, claim.place, unit, ordered, tell(ordered), place, spans, claim.key, tell))
     return out
 
 

@@ -107,7 +107,7 @@ class Part:
     stop: int
     samples: int
     cut: float | None = None
-    known: Mapping[tuple[str, str | None], float] = field(default_factory=dict, compare=False)
+    known: Mapping[tuple[str, str | None, str, bool], float] = field(default_factory=dict, compare=False)
 
     @property
     def kept(self) -> slice:

@@ -103,7 +103,9 @@ def number_in_page(value: Any, digits: int = 3) -> str:
         return "–"
     if isinstance(value, int):
         return str(value)
-    text = f"{value:.0f}" if 10**digits <= abs(value) < 1e7 else f"{value:.{digits}g}"
+    text = f"{value:.{digits}g}"
+    if 10**digits <= abs(float(text)) < 1e7:
+        text = f"{value:.0f}"
     return text.replace("-", "\N{MINUS SIGN}")
 
 
