@@ -267,6 +267,6 @@ def test_two_new_files_are_a_new_section(tmp_path, monkeypatch):
         sys.modules.pop("exoid.diagnosis.report.sections.greeting", None)
 
 
-@pytest.mark.parametrize(("value", "text"), [(999.4, "999"), (999.7, "1000"), (1234.5, "1234"), (0.00012345, "0.000123")])
+@pytest.mark.parametrize(("value", "text"), [(999.4, "999"), (999.7, "1000"), (1234.5, "1234"), (0.0012345, "0.00123")])
 def test_numbers_are_written_out_from_a_thousand_on(value, text):
     assert number_in_page(value) == text
