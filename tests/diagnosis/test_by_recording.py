@@ -602,10 +602,9 @@ def test_one_clock_of_several_that_are_all_fast_runs_faster_still():
     runs = [timed(k, 0.005 if k == 2 else 0.002, NUMBERS) for k in range(5)]
     found = discover(AXIS, runs[:4], runs[4])
     assert found.verdict == "adequate" and not found.accepted
-    every, own = sorted((item.values for item in found.of_recordings), key=len, reverse=True)
-    assert [value.value for value in every.values()] == pytest.approx([0.002] * 5, abs=5e-6)
-    assert {name: value.value for name, value in own.items()} == pytest.approx({"run_2": 0.003}, abs=5e-6)
-    assert "in run_2 than in the other recordings" in found.sentence
+    values = {name: e.value for item in found.of_recordings for name, e in item.values.items()}
+    assert values == pytest.approx({f"run_{k}": 0.005 if k == 2 else 0.002 for k in range(5)}, abs=5e-6)
+    assert sum(len(item.values) for item in found.of_recordings) == 5
 
 
 def test_channels_that_a_search_leaves_in_doubt_have_to_beat_what_belongs_to_recordings():

@@ -28,8 +28,6 @@ def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the rates {recording: words} of the torques' clock."""
     values = sides(values, "faster", "slower")
     rate, *others = dict.fromkeys(values.values())
-    if claim.common:
-        return f"The clock of the torques runs {rate} than that of the angles in {listed(values)}"
-    if not others:
-        return f"The clock of the torques runs {rate} in {listed(values)} than in the other recordings"
-    return f"The clock of the torques runs at another rate than in the other recordings: {each_said(values)}"
+    if others:
+        return f"The clock of the torques runs at another rate than that of the angles: {each_said(values)}"
+    return f"The clock of the torques runs {rate} than that of the angles in {listed(values)}"

@@ -364,14 +364,22 @@ def spread_of(fits: Fits, state: State, step: Float) -> Spread:
 
 
 def _told(fits: Fits, own: OwnNumbers, held: Claimed, spread: Spread, mine: slice) -> list[Belonging]:
-    """Statements of a claim, whose numbers are `mine`, on whole recordings, before a change and after one: one each."""
+    """Statements of a claim, whose numbers are `mine`, on whole recordings, before a change and after one: one each.
+
+    What a recording has beyond what all have is told as one number, the sum, and that recording left out of the others.
+    """
     claim, prepared = held.claim, fits.now.prepared
     numbers, widths, unit, place = own.numbers[mine], own.widths[mine], claim.unit, None
+    every = zip(own.held, _slices(own.held), strict=True)
+    twins = [(rest, some) for rest, some in every if rest is not held and rest.claim.key[:3] == claim.key[:3]]
+    elsewhere = {j for rest, _ in twins if claim.common for group in rest.groups for j in group}
+    for _, some in twins if not claim.common else ():
+        numbers, widths = numbers + own.numbers[some], np.hypot(widths, own.widths[some])
     if len(claim.nodes) > 1:
         numbers, widths, unit, place = spread.load(claim, held.node, float(numbers[0]), mine.start, fits.rules)
     told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
     for group, x, w in zip(held.groups, claim.usual + numbers, widths, strict=True):
-        for j in group:
+        for j in (k for k in group if k not in elsewhere):
             part = own.parts[j]
             halved = not part.whole and not all(i in group for i in fits.everyone[part.recording])
             kind = "whole" if not halved else "until" if part.start == 0 else "from"
