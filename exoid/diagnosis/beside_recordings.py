@@ -24,8 +24,8 @@ from exoid.ground.progress import silent
 from exoid.ground.ties import ascending, least_of
 from exoid.optimisation.preparation.prepare import Prepared
 
-ROUNDS = 2
-"""Times that what belongs to recordings is looked for beside what was found with it."""
+ROUNDS = 4
+"""Times at most that what belongs to recordings is looked for beside what was found with it."""
 PLAIN = 2
 """What an answer may name at most to be taken without looking for a plainer one."""
 NEAREST = 3
@@ -130,7 +130,7 @@ class _Against:
         may = told and self._leaves_as_little(rival) and _may_replace(self.answer, rival, own, main=main)
         if not may or not self.is_worth(own, explained):
             return None
-        more = rival.error is not None
+        more = _leaves_more(rival)
         caution = OTHERS_TOO if own.as_many_as(self.rules.half) or (more and len(own.ways) >= WAYS) else ""
         caution += MORE_TOO if more else ""
         return with_own(rival, told, self.base, caution)

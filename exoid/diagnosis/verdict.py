@@ -141,11 +141,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
         rule = f"the error {where} is near the noise, that on fitted ones is not"
         text = f"Something is left that the recordings held out do not show: {_on_fitted_motion(end.last, names)}."
         text += end.nearest
-        advice = (
-            f"look at {' and '.join(names)} (what touched the machine, a load, a sensor) and leave out what is not of "
-            "the machine; otherwise hold out a recording that shows it too: what is met in no recording held out "
-            "cannot be verified"
-        )
+        advice = _look_at(names)
     else:
         verdict, short = "adequate", little_motion(end.last.prepared, end.rules)
         rule = (
@@ -173,6 +169,9 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
         text += f" Still unexplained: {left.sentence}{_size(error)}."
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
+    elif far := _far_where_fitted(end.last, end.rules):
+        text += f" Beyond that, {_on_fitted_motion(end.last, far)}."
+        advice = advice or _look_at(far)
     text += end.oscillation
     if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
         named = {term.name: term.effect for term in end.last.model.terms}
@@ -200,6 +199,15 @@ def _far_where_fitted(last: FittedModel, rules: Rules) -> list[str]:
     if not last.verified or np.any(last.evaluation_rms > near) or np.all(last.train_rms <= near):
         return []
     return [name for name, rms in last.per_recording if np.any(rms > near)]
+
+
+def _look_at(names: Sequence[str]) -> str:
+    """Advice where only fitted recordings, the `names`, are far from the noise."""
+    return (
+        f"look at {' and '.join(names)} (what touched the machine, a load, a sensor) and leave out what is not of "
+        "the machine; otherwise hold out a recording that shows it too: what is met in no recording held out "
+        "cannot be verified"
+    )
 
 
 def _on_fitted_motion(last: FittedModel, names: Sequence[str]) -> str:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.differences import drawn, judged
+from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.discovery import discover
 from exoid.symbolic import Model, Motion
 from exoid.symbolic.joints import Joint
@@ -46,3 +47,11 @@ def test_friction_bears_a_load_that_is_no_part_of_the_model():
     weight = rigid.torque(Motion(np.arange(50.0), q, dq, ddq), own)
     wanted = linear[-1] * (np.abs(weight + load) - np.abs(weight)) * np.sign(dq)
     np.testing.assert_allclose(carrying - bare, wanted, atol=1e-12)
+
+
+def test_an_error_that_grew_is_told_although_nothing_that_was_asked_differs():
+    def found(left):
+        return Differences((), (), ("old",), ("new",), ("hip", "knee"), (0.2, 0.2), left, left, ("N·m", "N·m"))
+
+    assert found((0.3, 0.5)).sentence.startswith("Nothing differs between before and after")
+    assert "the error of the knee grew from 0.2 to 3.1 N·m: look at the channels" in found((0.3, 3.1)).sentence

@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.diagnosis.against.questions import Acting
+from exoid.diagnosis.rules import RULES
 from exoid.ground.figures import figure_style, new_figure
 from exoid.ground.frames import pandas
 from exoid.ground.html import bullets, lines, picture, table
 from exoid.ground.plain import AsJson, by_name
+from exoid.ground.text import digits
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
+from exoid.symbolic.wording import the_joint
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,9 +124,19 @@ class Differences(AsJson):
     @property
     def sentence(self) -> str:
         """The answer in words."""
-        if not self.found:
+        each = zip(self.joints, self.rms_before, self.rms_named, self.units, strict=True)
+        grown = [
+            f"the error of {the_joint(joint)} grew from {digits(before)} to {digits(after)} {unit}"
+            for joint, before, after, unit in each
+            if after > RULES.near_noise * max(before, 1e-6)
+        ]
+        beside = ", and ".join(grown)
+        if not self.found and not beside:
             return "Nothing differs between before and after that these recordings could show."
-        return "Different afterwards: " + "; ".join(item.name for item in self.found) + "."
+        if not self.found:
+            return f"Nothing that was asked about explains it, but {beside}: look at the channels of those after."
+        text = "Different afterwards: " + "; ".join(item.name for item in self.found) + "."
+        return f"{text} That is not all: beside it, {beside}." if beside else text
 
     def __repr__(self) -> str:
         return "\n".join([self.sentence, *(f"  {item.sentence}" for item in self.found), *self._old()])

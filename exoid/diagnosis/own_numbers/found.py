@@ -148,10 +148,18 @@ class _Search:
         return self.settled(state)
 
     def settled(self, state: State) -> State:
-        """The claims without those that are needless, each at the node that fits best."""
+        """The claims without those that are needless, each at the node that fits best, and of as few recordings as need
+        a number beside the rest: which of them are usual is known only when all is found.
+        """
         state = self._at_other_angles(state)
         self.fits.weigh(state)
-        return self._with_middles(_placed(self.fits, self._pruned(state)))
+        state = self._with_middles(_placed(self.fits, self._pruned(state)))
+        for item in state:
+            rest = tuple(other for other in state if other is not item)
+            if not (item.claim.everyone or item.claim.common or item.claim.shared):
+                fewest = self._fewest(rest, item)
+                state = tuple(fewest if other is item else other for other in state)
+        return placed(self.fits, state)
 
     def _at_other_angles(self, state: State) -> State:
         """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
