@@ -192,7 +192,7 @@ def _leaves_more(answer: Diagnosis) -> bool:
 def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tuple[Diagnosis, FittedModel, OwnNumbers]:
     """Return the answer beside numbers of recordings in so many `ways`, its model, and the numbers as found there."""
     kept = None
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS):
         again, without = replace(asking, question=replace(asking.question, own=own)), own.applied(given)
         rival = answer_of_machine(again, again.fitted(without))
         worse = rival.verdict == "check_channels" or _leaves_more(rival)
@@ -203,6 +203,8 @@ def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tu
         own = _belonging_beside(last, asking.question.rules, own.cuts, ways) or own
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own
+        if turn and _leaves_more(rival):  # beside that, numbers need not come to rest
+            break
     assert kept is not None
     return kept
 

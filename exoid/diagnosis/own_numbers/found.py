@@ -148,18 +148,14 @@ class _Search:
         return self.settled(state)
 
     def settled(self, state: State) -> State:
-        """The claims without those that are needless, each at the node that fits best, and of as few recordings as need
-        a number beside the rest: which of them are usual is known only when all is found.
+        """The claims without those that are needless, each at the node that fits best; which recordings are usual is
+        known only when all is found.
         """
         state = self._at_other_angles(state)
         self.fits.weigh(state)
         state = self._with_middles(_placed(self.fits, self._pruned(state)))
-        for item in state:
-            rest = tuple(other for other in state if other is not item)
-            if not (item.claim.everyone or item.claim.common or item.claim.shared):
-                fewest = self._fewest(rest, item)
-                state = tuple(fewest if other is item else other for other in state)
-        return placed(self.fits, state)
+        turned = tuple(self._turned_round(tuple(other for other in state if other is not item), item) for item in state)
+        return state if turned == state else placed(self.fits, turned)
 
     def _at_other_angles(self, state: State) -> State:
         """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
@@ -304,6 +300,16 @@ class _Search:
                 break
             held = best
         return held
+
+    def _turned_round(self, state: State, held: Claimed) -> Claimed:
+        """A claim, turned to those recordings that have no number where these are fewer and it predicts no worse so."""
+        if held.claim.everyone or held.claim.common or held.claim.shared:
+            return held
+        other = self._others(held)[-1]
+        if len(other.groups) >= len(held.groups) or not np.isfinite(self.fits.loss((*state, other))):
+            return held
+        now, then = (total(self.fits.losses((*state, item))) for item in (held, other))
+        return other if then <= now else held
 
     def _others(self, held: Claimed) -> list[Claimed]:
         """A claim with one recording more; of a number that is shared, also with one less; of others, also the
