@@ -600,7 +600,7 @@ def timed(k, fast, numbers, stop=0.0):
 
 
 def test_which_recordings_are_usual_is_asked_again_beside_what_was_found_later():
-    """A gain of the four others and a load of 1.75 kg were told; alone, the load looks like a gain of two recordings."""
+    """A gain of the four others and a load of 1.75 kg were told: a load looks like a gain at first."""
     runs = [drive(k, NUMBERS + (k in (0, 3)) * added(1.5, 0.3), gain=1.2 if k == 1 else 1.0) for k in range(5)]
     found = discover(AXIS, runs[:4], runs[4])
     assert found.verdict == "adequate"
