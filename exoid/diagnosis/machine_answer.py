@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from exoid.diagnosis.doubts import doubts_after
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
-from exoid.diagnosis.evidence.score import Agreement, Score
+from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.soft_drive import soft_drive
 from exoid.diagnosis.evidence.stability import splits_of
 from exoid.diagnosis.question import Question, Searched

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from exoid.diagnosis.comparison import Comparison, compare_prepared
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import ModelError
 from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.evidence.remainder import Remainder
-from exoid.diagnosis.evidence.score import Agreement
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.own_numbers.numbers import Belonging
 from exoid.diagnosis.plots import falling_error, suspects, torques_over_time

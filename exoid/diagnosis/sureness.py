@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-from exoid.diagnosis.evidence.score import Agreement
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import Threshold
 

@@ -9,12 +9,13 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
 from exoid.diagnosis.evidence.remainder import Remainder
-from exoid.diagnosis.evidence.score import Agreement, Score, share_of_own_joints
+from exoid.diagnosis.evidence.score import Score, share_of_own_joints
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses

@@ -10,11 +10,11 @@ import pytest
 from synthetic import search, state_with
 
 from exoid.diagnosis.discovery import discover
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.enough_motion import fitted_seconds, little_motion
 from exoid.diagnosis.evidence.gain import robust_weight
 from exoid.diagnosis.evidence.look_alikes import columns_at
 from exoid.diagnosis.evidence.model_error import Repeats, noise_with
-from exoid.diagnosis.evidence.score import Agreement
 from exoid.diagnosis.evidence.stability import Splits, splits_of
 from exoid.diagnosis.results import stability_of
 from exoid.diagnosis.rules import RULES

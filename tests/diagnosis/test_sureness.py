@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.diagnosis.evidence.score import Agreement
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.sureness import AGREEING, FAIRLY, MEANINGS, RARE, UNSURE, VERY, least_sure, meanings_of, sureness
 

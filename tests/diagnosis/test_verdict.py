@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.remainder import Remainder
-from exoid.diagnosis.evidence.score import Agreement
 from exoid.diagnosis.results import Accepted, Possible
 from exoid.diagnosis.search.doubt import DELAY
 from exoid.diagnosis.verdict import _deciding, conclude

@@ -9,8 +9,8 @@ import pytest
 from synthetic import search, state_with
 
 from exoid.diagnosis.discovery import discover
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.model_error import Repeats, model_error
-from exoid.diagnosis.evidence.score import Agreement
 from exoid.diagnosis.results import Accepted
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.search import doubt as doubts

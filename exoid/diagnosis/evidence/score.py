@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.candidates import Candidate, LateColumns
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.gain import Evidence
@@ -21,41 +22,6 @@ ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
 TOGETHER = 10_000
 """Nodes times placebos that are fitted at once: more need memory, and wait for it."""
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """In how many splits a term is `accepted`, of those that can tell (`of`), and the `ranges` of its parameters there.
-
-    `against` are indices of the recordings that, set aside, lose by it. `splits` counts those that cannot tell too,
-    `recordings` what they are splits of; `mute`: the split that is in use, of fitted and held-out recordings, cannot
-    tell.
-    """
-
-    accepted: int = 0
-    of: int = 0
-    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    against: tuple[int, ...] = ()
-    splits: int = 0
-    recordings: int = 0
-    mute: bool = False
-
-    @property
-    def share(self) -> float | None:
-        """The share of splits in which the term is accepted; None where no split can tell."""
-        return self.accepted / self.of if self.of else None
-
-    def enough(self, rules: Rules) -> bool:
-        """True if so many splits agree that the term may be accepted; without splits nothing speaks against it."""
-        return self.share is None or self.share >= rules.most
-
-    def repeats(self, rules: Rules) -> bool:
-        """True if nearly all splits of many recordings agree: so many do not by chance, whichever are held out.
-
-        Those that cannot tell count against it; where that in use is one of them, most of all must.
-        """
-        told = self.of if self.mute and self.of > rules.half * self.splits else self.splits
-        return self.recordings >= rules.many_recordings and self.accepted >= (1.0 - rules.level) * told
 
 
 @dataclass(frozen=True, eq=False)

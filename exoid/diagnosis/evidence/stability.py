@@ -16,11 +16,12 @@ from math import comb
 
 import numpy as np
 
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.gain import Evidence, robust_weight
 from exoid.diagnosis.evidence.gram import Fits, inverse_of
-from exoid.diagnosis.evidence.score import Agreement, Score, admissible
+from exoid.diagnosis.evidence.score import Score, admissible
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import order_of
 from exoid.optimisation.fitting.identify import identify

@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.ranking import with_chance
-from exoid.diagnosis.evidence.score import Agreement, Score, share_of_own_joints
+from exoid.diagnosis.evidence.score import Score, share_of_own_joints
 from exoid.diagnosis.evidence.stability import Splits
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Possible
