@@ -109,7 +109,7 @@ class Question:
         return self._answered(base, pushed(outside, base.model.joints), tick)
 
     def pushed(self, done: Searched, tick: Progress) -> Searched | None:
-        """Return that something outside pushes where a search that is `done` explains nothing; None elsewhere."""
+        """The answer that something outside pushes, where a search that is `done` explains nothing; None elsewhere."""
         if done.outside is None or done.answer is not None or self._is_explained(done):
             return None
         return self._answered(done.base, pushed(done.outside, done.base.model.joints), tick)

@@ -260,8 +260,8 @@ class Conclusion:
     next_experiment: str
     error: ModelError | None = field(default=None, kw_only=True)
     outside: bool = field(default=False, kw_only=True)
-    """Whether the error is not the machine's: something acts from outside that was not measured; nothing else is then
-    said of the machine's numbers."""
+    """An error that is not the machine's: something acts from outside that was not measured; nothing else is then said
+    of the machine's numbers."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -113,9 +113,14 @@ class Claim:
     shown: tuple[float, str] | None = None
 
     @property
+    def subject(self) -> tuple[str, str | None, str]:
+        """Quantity that it is about: the hypothesis, the place, and what else its sentence tells."""
+        return self.what, self.place, self.of
+
+    @property
     def key(self) -> tuple[str, str | None, str, bool]:
         """Key by which a claim is known in other fits: all recordings may have a number, and one of them another."""
-        return self.what, self.place, self.of, self.common
+        return *self.subject, self.common
 
     @property
     def of_motion(self) -> bool:

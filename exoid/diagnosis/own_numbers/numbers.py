@@ -371,7 +371,7 @@ def _told(fits: Fits, own: OwnNumbers, held: Claimed, spread: Spread, mine: slic
     claim, prepared = held.claim, fits.now.prepared
     numbers, widths, unit, place = own.numbers[mine], own.widths[mine], claim.unit, None
     every = zip(own.held, _slices(own.held), strict=True)
-    twins = [(rest, some) for rest, some in every if rest is not held and rest.claim.key[:3] == claim.key[:3]]
+    twins = [(rest, some) for rest, some in every if rest is not held and rest.claim.subject == claim.subject]
     elsewhere = {j for rest, _ in twins if claim.common for group in rest.groups for j in group}
     for _, some in twins if not claim.common else ():
         numbers, widths = numbers + own.numbers[some], np.hypot(widths, own.widths[some])
