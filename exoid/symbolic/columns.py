@@ -28,7 +28,6 @@ from exoid.symbolic.evaluation import (
     shape_values,
     shaped,
     torque_values,
-    transformed_torque,
     vector,
 )
 from exoid.symbolic.language.deflection import STATES
@@ -140,8 +139,9 @@ def model_torque(model: ModelStructure, motion: Motion, linear: Any, shape: Floa
     if values.shape != (len(model.parameters),):
         raise ValueError(f"linear has shape {values.shape}, the model has {len(model.parameters)} parameters")
     shapes, carried = vector(shape, model.typical_shape, "shape"), carrying(model, motion, values)
-    columns = _untransformed(model, motion, shapes, carried)
-    return transformed_torque(model, columns, carried, shapes, motion).T
+    out = (_untransformed(model, motion, shapes, carried) @ carried)[:, :, None]
+    apply_transforms(model, out, shapes, motion)
+    return np.asarray(out[:, :, 0].T)
 
 
 def forces_torque(model: ModelStructure, motion: Motion, linear: Float) -> Float:
@@ -162,7 +162,7 @@ def moving_torque(
     """Return the torque that shape value `index` has no part in, and what gives the rest; see `Model.moving_torque`."""
     entry, at = model.shapes[index], shape_values(model, shape)
     term = next(term for term in model.terms if term.name == entry.term)
-    if term.effect.derive is not None:
+    if term.effect.derive is not None or any(is_transform(other) for other in model.terms if other is not term):
 
         def whole(values: Float) -> Float:
             trials = np.tile(shape, (len(values), 1))
@@ -175,8 +175,7 @@ def moving_torque(
     own = {key: places(model)[f"{term.name}.{key}"] for key in term.effect.coefficients}
     words = {**motion_words(motion), **shaped(term, at), **{key: float(carried[place]) for key, place in own.items()}}
     if is_transform(term):
-        base = base_places(model)
-        words |= {f"tau_model{j + 1}": values for j, values in enumerate(columns[:, :, base] @ carried[base])}
+        words |= {f"tau_model{j + 1}": values for j, values in enumerate(columns @ carried)}
     elif uses_feedback(term):
         words |= feedback(model, (term,), columns[:, :, base_places(model)], carried, motion)
         words |= slopes_of(model, (term,), motion, carried, shape)
@@ -192,7 +191,7 @@ def moving_torque(
             out[:, joints.index(text.joint)] += torque_values(text, tried, motion, len(values), kept)
         return out
 
-    return transformed_torque(model, columns, still, shape, motion, term).T, joints, moved
+    return (columns @ still).T, joints, moved
 
 
 def needs_reference(model: ModelStructure) -> bool:
@@ -306,20 +305,14 @@ def transformed(model: ModelStructure, term: Term, motion: Motion, linear: Float
     """Return the torque (V, J, N) that a transform adds to that of `model`, at V rows of the transform's own shapes
     `nodes` (V, S); other arguments as of `model_torque`.
     """
-    words = motion_words(motion) | torque_words(model, motion, linear, shapes)
+    carried = carrying(model, motion, linear)
+    torque = _untransformed(model, motion, shapes, carried) @ carried
+    words = motion_words(motion) | {f"tau_model{j + 1}": values for j, values in enumerate(torque)}
     words |= {key: nodes[:, [k]] for k, key in enumerate(term.effect.shape)}
     out = np.zeros((len(nodes), len(model.joints), len(motion)))
     for text in torques(term):
         out[:, text.joint] += torque_values(text, words, motion, count=len(nodes))
     return out
-
-
-def torque_words(model: ModelStructure, motion: Motion, linear: Float, shapes: Float) -> dict[str, Float]:
-    """Return the words for the torque (N,) of all joints that a transform of `model` acts on."""
-    bare, at = rigid_model(model), shape_values(model, shapes)
-    own = np.array([at[entry.name] for entry in bare.shapes])
-    torque = model_torque(bare, motion, linear[base_places(model)[: len(bare.parameters)]], own)
-    return {f"tau_model{j + 1}": values for j, values in enumerate(torque.T)}
 
 
 def derived_columns(model: ModelStructure, motion: Motion, shapes: Float, reference: Float) -> Callable[[Float], Float]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.symbolic.language.lower import to_numpy
-from exoid.symbolic.language.torque import Torque, is_transform, torques
+from exoid.symbolic.language.torque import Torque, by_stage, torques
 from exoid.symbolic.language.tree import Call
 from exoid.symbolic.motion import Float, Motion
 
@@ -114,30 +114,22 @@ def feedback(
 
 
 def apply_transforms(model: ModelStructure, out: Float, shapes: Float, motion: Motion) -> None:
-    """Add to the base columns in `out` (J, N, P) what the transforms of the model make of them."""
-    transforms = [term for term in model.terms if is_transform(term)]
+    """Add to torques, or columns of them, in `out` (J, N, P) what the transforms of the model make of these, each once:
+    they are linear.
+    """
+    transforms = by_stage(model.terms)[1]
     if not transforms:
         return
-    base, at, env = base_places(model), shape_values(model, shapes), motion_words(motion)
-    untouched = out[:, :, base].copy()
+    at, env = shape_values(model, shapes), motion_words(motion)
+    rows = np.ascontiguousarray(np.swapaxes(out, 1, 2))
+    words = {f"tau_model{j + 1}": row for j, row in enumerate(rows)}
     for term in transforms:
-        _transform(term, untouched, base, {**env, **shaped(term, at)}, motion, out)
-
-
-def transformed_torque(
-    model: ModelStructure, columns: Float, linear: Float, shapes: Float, motion: Motion, without: Term | None = None
-) -> Float:
-    """Return the torque (J, N) of columns (J, N, P) not yet transformed; transforms are linear, so each acts once, but
-    for the one `without` which the torque is wanted.
-    """
-    out = columns @ linear
-    transforms = [term for term in model.terms if is_transform(term) and term is not without]
-    if transforms:
-        base, at, env = base_places(model), shape_values(model, shapes), motion_words(motion)
-        total, whole = (columns[:, :, base] @ linear[base])[:, :, None], out[:, :, None]
-        for term in transforms:
-            _transform(term, total, [0], {**env, **shaped(term, at)}, motion, whole)
-    return np.asarray(out)
+        for torque in torques(term):
+            heard = [row for word, row in words.items() if word in torque.names]
+            some = np.flatnonzero(np.any(heard, axis=(0, 2)))  # of nothing it makes nothing
+            if some.size:
+                acted = {**env, **shaped(term, at), **{word: row[some] for word, row in words.items()}}
+                out[torque.joint, :, some] += torque_values(torque, acted, motion, count=some.size)
 
 
 def torque_values(
@@ -155,17 +147,3 @@ def torque_values(
     values = to_numpy(torque.node, env, motion.signs, kept)
     whole = (len(motion),) if count is None else (count, len(motion))
     return np.broadcast_to(np.asarray(values, dtype=float), whole)
-
-
-def _transform(
-    term: Term, untouched: Float, base: list[int], env: dict[str, Float | float], motion: Motion, out: Float
-) -> None:
-    """Add to each base column in `out` what the term makes of it: of nothing it makes nothing."""
-    rows = np.ascontiguousarray(np.swapaxes(untouched, 1, 2))
-    for torque in torques(term):
-        words = {f"tau_model{j + 1}": row for j, row in enumerate(rows)}
-        heard = [row for word, row in words.items() if word in torque.names]
-        some = np.flatnonzero(np.any(heard, axis=(0, 2)))
-        if some.size:
-            acted = {**env, **{word: row[some] for word, row in words.items()}}
-            out[torque.joint, :, np.asarray(base)[some]] += torque_values(torque, acted, motion, count=some.size)

@@ -78,6 +78,21 @@ def test_columns_and_torque_agree(make, backend):
 
 
 @pytest.mark.parametrize("backend", ["auto", "vm"])
+def test_a_late_sensor_is_late_for_effects_too(backend):
+    """Whatever makes a torque, the sensor shows all of it later: what has a memory and stands behind it included."""
+    late = Effect("late", "", "delay(tau_model, d) - tau_model", shape={"d": Shape("s", -0.1, 0.1, typical=0.03)})
+    slack = Effect("slack", "", "c * play(theta, h)", coefficients={"c": N_M}, shape={"h": Shape("rad", 0.01, 0.4)})
+    plain = Model.standard().with_effect("stribeck:hip").with_effect(slack, "hip")
+    model = Model.standard().with_effect(late, "hip").with_effect("stribeck:hip").with_effect(slack, "hip")
+    motion = random_motion()
+    linear = np.random.default_rng(2).normal(size=len(model.parameters))
+    before = plain.torque(motion, linear, model.typical_shape[1:])
+    then = np.interp(motion.t - model.typical_shape[0], motion.t, before[:, 0])
+    for torque in (model.torque(motion, linear), compiled(model, backend).inverse_dynamics(motion, linear)):
+        assert torque[:, 0] == pytest.approx(then, abs=1e-10) and torque[:, 1] == pytest.approx(before[:, 1], abs=1e-10)
+
+
+@pytest.mark.parametrize("backend", ["auto", "vm"])
 def test_forward_dynamics_undoes_inverse_dynamics(backend):
     effect = Effect("load", "", "c * abs(tau_rigid) * sgn(dtheta)", coefficients={"c": Coefficient("1")})
     model = Model.standard().with_effect(effect, "hip").with_effect("com_offset_shank")

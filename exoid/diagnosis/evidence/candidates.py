@@ -23,10 +23,10 @@ from exoid.ground.errors import ExpressionError
 from exoid.measurement.signals.butterworth import WaveProducts
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.columns import derived_columns, slopes_of, transformed
-from exoid.symbolic.evaluation import carrying, motion_words, torque_values
+from exoid.symbolic.evaluation import apply_transforms, carrying, motion_words, torque_values
 from exoid.symbolic.language.deflection import SLOPES
 from exoid.symbolic.language.lower import to_numpy
-from exoid.symbolic.language.torque import Torque, is_transform, part_of, torques
+from exoid.symbolic.language.torque import Torque, by_stage, is_transform, part_of, torques
 from exoid.symbolic.language.tree import Binary, Call, Name
 from exoid.symbolic.language.words import FEEDBACK
 from exoid.symbolic.model import Model
@@ -201,7 +201,21 @@ def _unfiltered_columns(
         return partial(_changes, candidate.term, one, fitted)
     if candidate.term.effect.derive is not None:
         return _derived(candidate.term, one, fitted, nodes)
-    return _texts(candidate, one, fitted)
+    texts = _texts(candidate, one, fitted)
+    return partial(_as_measured, candidate, one, fitted, texts) if by_stage(fitted.model.terms)[1] else texts
+
+
+def _as_measured(
+    candidate: Candidate, one: PreparedRecording, fitted: FittedModel, columns: Callable[[Float], Float], nodes: Float
+) -> Float:
+    """Return `columns` (V, A, m, N) as the late or filtered sensors of the model show them."""
+    found = columns(nodes)
+    count, _, many, samples = found.shape
+    out = np.zeros((len(fitted.model.joints), samples, count * many))
+    out[list(candidate.joints)] = found.transpose(1, 3, 0, 2).reshape(len(candidate.joints), samples, -1)
+    apply_transforms(fitted.model, out, fitted.shape, one.motion)
+    seen = out[list(candidate.joints)].reshape(len(candidate.joints), samples, count, many)
+    return np.ascontiguousarray(seen.transpose(2, 0, 3, 1))
 
 
 def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) -> Callable[[Float], Float]:

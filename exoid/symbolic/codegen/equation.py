@@ -20,7 +20,7 @@ from exoid.symbolic.codegen.tree_columns import AS_THEY_ARE, LONGEST_SYMBOLIC, A
 from exoid.symbolic.language.deflection import STATES
 from exoid.symbolic.language.instant import split_memory
 from exoid.symbolic.language.lower import to_casadi, to_sympy
-from exoid.symbolic.language.torque import is_transform, torques, uses_slopes
+from exoid.symbolic.language.torque import by_stage, torques, uses_slopes
 from exoid.symbolic.mechanics.friction import friction
 from exoid.symbolic.mechanics.lagrange import christoffel, mechanics
 from exoid.symbolic.mechanics.mechanism import machine, real
@@ -135,21 +135,22 @@ class _Builder:
                 for state in STATES:
                     slope = ca.jacobian(rigid_torque, self.state[f"{state}{n}"])
                     self.words |= {f"tau{i}_by_{state}{n}": slope[i - 1] for i in numbers}
-        terms = {}
-        for term in self.model.terms:
+        torque, terms = base, {}
+        plain, transforms = by_stage(self.model.terms)
+        for term in plain:
             if term.effect.derive is not None:
                 own = [entry for entry in self.columns if self._term_of(entry[1]) == term.name]
                 terms[term.name] = self._sum(own)
-            elif is_transform(term):
-                terms[term.name] = self._transform(term)
             else:
                 before = len(self.columns)
                 self._text(term, {key: f"{term.name}.{key}" for key in term.effect.coefficients})
                 terms[term.name] = self._sum(self.columns[before:])
-        torque = base
-        for term in self.model.terms:
-            if term.effect.derive is None:
                 torque = torque + terms[term.name]
+        self.words |= {f"tau_model{j + 1}": torque[j] for j in range(self.count)}
+        for term in transforms:
+            terms[term.name] = self._transform(term)
+        for term in transforms:
+            torque = torque + terms[term.name]
         return self._result(rigid_torque, base, torque, terms)
 
     def _term_of(self, parameter: int) -> str | None:

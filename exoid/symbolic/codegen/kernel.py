@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from ctypes import c_long, c_void_p
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -143,7 +144,7 @@ class Compiled:
         return vector(linear, default, "linear"), vector(shape, self.model.typical_shape, "shape")
 
     def _memory(self, motion: Motion, linear: Float, shapes: Float) -> Float | None:
-        return memory_signals(self.model, motion, shapes, linear, lambda: self.pointwise(motion, linear, shapes))
+        return memory_signals(self.model, motion, shapes, linear, partial(self.pointwise, motion, linear, shapes))
 
     def _run(
         self, name: str, state: Float, linear: Float, shape: Float, memory: Float | None, extra: Float | None

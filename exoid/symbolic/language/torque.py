@@ -1,12 +1,13 @@
 """A term's torque text at its joint: which names it may use, what it is linear in, what it needs to be
 evaluated.
 
-A text without coefficients that speaks of `tau_model` is a *transform*: it acts on the columns of the base
-model instead of adding one of its own (a delay of the whole torque, a wrong gain of the drive).
+A text without coefficients that speaks of `tau_model` is a *transform*: it acts on all columns of the model instead of
+adding one of its own (a delay of the whole torque, a filter behind the sensor).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -130,10 +131,16 @@ def check_units(term: Term) -> None:
 
 
 def is_transform(term: Term) -> bool:
-    """True if the term acts on the base model's columns."""
+    """True if the term acts on the whole torque that the rest of the model says: a late or filtered sensor."""
     if term.effect.derive is not None or term.effect.coefficients:
         return False
     return any(torque.names & MODEL_TORQUE for torque in torques(term))
+
+
+def by_stage(terms: Iterable[Term]) -> tuple[list[Term], list[Term]]:
+    """The terms that make the machine's torque, and the transforms that then act on it, each in their order."""
+    every = list(terms)
+    return [term for term in every if not is_transform(term)], [term for term in every if is_transform(term)]
 
 
 def uses_slopes(term: Term) -> bool:
