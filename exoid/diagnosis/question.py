@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid.diagnosis.doubts import doubts_after, doubts_before, doubts_first
 from exoid.diagnosis.evidence.best_effects import as_given, may_be_explained, most_effects
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, fitted_on
 from exoid.diagnosis.evidence.intermittent import Intermittent, intermittent
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import is_near_noise
@@ -32,6 +32,7 @@ from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.effect import Effect
+from exoid.symbolic.language.torque import by_stage
 from exoid.symbolic.model import Model
 
 
@@ -136,7 +137,14 @@ class Question:
         last = rival.found.state.last.fitted
         return is_near_noise(last, self.rules) and doubts_after(rival.base, last, self.rules) is None
 
-    def _searched(self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None) -> Searched:
+    def _searched(
+        self,
+        base: FittedModel,
+        tick: Progress,
+        found: Callable[[Sequence[Step]], None] | None,
+        earlier: State | None = None,
+    ) -> Searched:
+        """The search, of which an `earlier` one found that torques are late: these show later that a joint sticks."""
         rules, part = self.rules, searched_stretches(base.prepared, self.rules)
         context = self.context(part, base.prepared, tick)
         if (doubt := doubts_before(base, rules)) is not None:
@@ -146,7 +154,15 @@ class Question:
         if found is not None:
             context = replace(context, grown=lambda state: found(steps_of(state.extensions)))
         start = Extension(base) if part is base.prepared else context.fit(self.model)
-        return Searched(base.prepared, base, context, run_search(context, start))
+        if earlier is not None:
+            late = [term.name for term in by_stage(earlier.last.fitted.model.terms)[1]]
+            begun = context.replay(earlier.grown(start, *earlier.extensions[1:]), late)
+            return Searched(base.prepared, base, context, run_search(context, *begun.extensions))
+        result = run_search(context, start)
+        shown = fitted_on(result.state.last.fitted.fit, base.prepared).shown_later()
+        if shown is base.prepared:
+            return Searched(base.prepared, base, context, result)
+        return self._searched(self.fitted((), (), tick, shown), tick, found, result.state)
 
     def _answered(self, base: FittedModel, answer: Conclusion, tick: Progress) -> Searched:
         """Return an answer that no search led to."""

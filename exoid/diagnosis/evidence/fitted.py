@@ -24,6 +24,7 @@ from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.optimisation.preparation.noise import mean_square
 from exoid.optimisation.preparation.prepare import Prepared, judged_anew
 from exoid.symbolic.evaluation import carrying
+from exoid.symbolic.memory import sensor_delays
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -183,6 +184,15 @@ class FittedModel:
         """Return the recordings with spikes of the torques judged anew beside this model."""
         pairs = zip(self.prepared.all, self.shapes, strict=True)
         return judged_anew(self.prepared, [self.model.torque(item.motion, self.linear, at) for item, at in pairs])
+
+    def shown_later(self) -> Prepared:
+        """Return the recordings with moments hidden in which late torques of this model show that a joint may stick."""
+        delays = [sensor_delays(self.model, at) for at in self.shapes]
+        done = [item.shown_later(late) for item, late in zip(self.prepared.all, delays, strict=True)]
+        if all(new is old for new, old in zip(done, self.prepared.all, strict=True)):
+            return self.prepared
+        count = len(self.prepared.train)
+        return replace(self.prepared, train=tuple(done[:count]), verify=tuple(done[count:]))
 
     def judged_by_halves(self) -> FittedModel:
         """Return the model with what it leaves of each half of a recording where the values that belong to the

@@ -103,7 +103,8 @@ def shortlist(
     # Of two with the same torque the plainer comes first.
     refined = ascending(sorted(refined, key=lambda pair: _plainness(pair[0])), lambda pair: -pair[0].share, 1.0)
     alike = look_alikes(evidence, refined[0], refined[1:])
-    least = context.rules.most * refined[0][0].share
+    best = refined[0][0].share
+    least = min(best, context.rules.most * best)
     return [p[0] for p in refined if p[0].name in alike or p[0].share >= least], alike
 
 

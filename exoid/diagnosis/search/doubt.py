@@ -46,6 +46,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
+        or explains_noise(before, after, rules)
         or explains_nothing(before, after, rules)
         or reading_objection(after.fitted.fit, name, before.explained(after, rules), rules)
         or beside_standstill(before, after, rules)
@@ -176,6 +177,25 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     return (
         f"takes {taken[j]:.2g} {joint.unit('tau')} off the error of the {joint.name}, where filter and derivatives "
         f"alone get {wrong[j]:.2g} {joint.unit('tau')} wrong"
+    )
+
+
+def explains_noise(before: Extension, after: Extension, rules: Rules) -> str:
+    """Objection to a term that takes an error from near the noise floor to far below it, at every joint where it falls:
+    no model of the machine can, but one that follows errors of the angles may, as where an encoder has coarse steps.
+    """
+    floor, joints, tell = after.fitted.prepared.noise_floor, after.fitted.model.joints, rules.worth_telling
+    seen = before.fitted.evaluation_rms, after.fitted.evaluation_rms
+    fitted = before.fitted.train_rms, after.fitted.train_rms
+    below = [(then < (1.0 - tell) * floor) & (floor - then > once - floor) for once, then in (seen, fitted)]
+    falls = np.flatnonzero(seen[1] < (1.0 - tell) * seen[0])
+    if not falls.size or not np.all(np.logical_and(*below)[falls]):
+        return ""
+    j = int(falls[0])
+    unit = joints[j].unit("tau")
+    return (
+        f"takes the error of the {joints[j].name} from {seen[0][j]:.2g} to {seen[1][j]:.2g} {unit}, further below the "
+        f"noise floor of {floor[j]:.2g} {unit} than it was above: what it follows is noise"
     )
 
 

@@ -38,11 +38,11 @@ class Found:
     first: tuple[Score, ...]
 
 
-def run_search(context: SearchContext, start: Extension) -> Found:
-    """Search from the fitted model `start` until nothing that helps on unseen motion is left."""
-    rules, begun = context.rules, State((start,))
+def run_search(context: SearchContext, *begun_with: Extension) -> Found:
+    """Search from the fitted model, and terms already known, until nothing that helps on unseen motion is left."""
+    rules, begun = context.rules, State(begun_with)
     state = search_without_proxies(context, begun)
-    first = tuple(context.rank(start, 1)[1])
+    first = tuple(context.rank(begun.extensions[0], 1)[1])
     for score in state.accepted:
         # So many numbers can build what two plain effects make; see whether plain ones do as well.
         if score.candidate.numbers < rules.many_numbers:

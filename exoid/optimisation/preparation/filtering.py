@@ -159,6 +159,18 @@ class PreparedRecording:
         missing = self.read.missing | beyond | (around_reversals(motion.dq) & ~self.standing)
         return replace(moved, read=replace(self.read, fitted=fitted, missing=missing)).without(self.spikes)
 
+    def shown_later(self, delays: Sequence[tuple[int, float]]) -> PreparedRecording:
+        """Return the recording with moments in which a joint may be sticking hidden, too, where its torque shows them
+        that comes so late: `delays` are (joint, s). Itself where nothing more is hidden.
+        """
+        stuck = self.stuck.copy()
+        for joint, seconds in delays:
+            stuck[:, joint] |= self.stuck[self.sample_at(self.motion.t - seconds), joint]
+        if self.read is None or np.array_equal(stuck, self.stuck):
+            return self
+        read = replace(self.read, fitted=self.read.fitted & ~stuck[self.kept].T)
+        return replace(self, stuck=stuck, read=read).without(self.spikes & ~stuck)
+
     def sample_at(self, t: Float) -> np.ndarray:
         """Return the working sample (M,) at each of the times `t` (M,) in s, or the next one."""
         return np.searchsorted(self.motion.t, t).clip(0, len(self.motion) - 1)
