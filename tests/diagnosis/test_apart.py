@@ -12,6 +12,7 @@ from exoid.diagnosis.evidence.apart import left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.auditing.audit import audit
+from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.recording import Recording, Source
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
@@ -151,3 +152,14 @@ def _motion(one):
     rate = 1.0 / (one.t[1] - one.t[0])
     dq = np.gradient(one.q[:, 0], 1.0 / rate)[:, None]
     return Motion(one.t, one.q, dq, np.gradient(dq[:, 0], 1.0 / rate)[:, None])
+
+
+@pytest.mark.slow
+def test_a_dead_torque_channel_is_no_load_of_the_others():
+    """Zero throughout, it was taken for a joint without a drive, and the other three files for loaded with 8.84 kg."""
+    runs = [run.recording for run in simulate_runs(4, seed=0, bench=Bench(duration=25.0))]
+    runs[1] = replace(runs[1], tau=runs[1].tau * [0.0, 1.0])
+    found = discover(Model.standard(), runs[:3], runs[3:])
+    assert found.verdict == "adequate" and not found.of_recordings
+    assert [entry.recording for entry in found.left_out] == ["run_1"]
+    assert "the torque of the hip is zero throughout: a dead channel" in found.sentence

@@ -15,7 +15,7 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.diagnosis.evidence.channel_doubt import mean_square_known, variance_known
+from exoid.diagnosis.evidence.channel_doubt import variance_known
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
@@ -26,7 +26,7 @@ from exoid.measurement.auditing.checks.units import CHECK as UNITS
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
-from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
 from exoid.symbolic.motion import Float
 
 OTHERS = 3
@@ -96,6 +96,9 @@ def left_out(base: FittedModel, found: Fit, odd: Sequence[int], rules: Rules = R
 
 def _why(judged: FittedModel, index: int, alone: Fit | None, share: float, rules: Rules) -> str:
     prepared, name = judged.prepared, judged.prepared.all[index].name
+    driven, others = prepared.all[index].driven, driven_joints(prepared.all)
+    if dead := [joint.name for joint, none in zip(judged.model.joints, others & ~driven, strict=True) if none]:
+        return f"; the torque of the {' and the '.join(dead)} is zero throughout: a dead channel, or something held it"
     for finding in prepared.misread:
         if _is_of(finding, name):
             return f"; {finding.what} ({finding.remedy})"
@@ -163,6 +166,9 @@ def _power(base: FittedModel) -> Float:
 
 
 def _shares(fitted: FittedModel) -> Float:
-    """Return the share (R, J) of the usual variance of a torque that is left of each recording."""
+    """Return the share (R, J) of the usual variance of a torque that is left of each recording. Where a drive seems to
+    be missing, no torque is for certain, unless the channel is dead.
+    """
     pairs = zip(fitted.residuals, fitted.prepared.all, strict=True)
-    return np.array([mean_square_known([residual], [item]) for residual, item in pairs]) / _power(fitted)
+    left = [np.sum(r**2, axis=1, where=item.used) / np.maximum(item.used.sum(axis=1), 1) for r, item in pairs]
+    return np.array(left) / _power(fitted)

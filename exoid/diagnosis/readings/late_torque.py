@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.hypotheses import listed
 from exoid.diagnosis.readings import only_in_part, unless_misread, wrong_torques
 from exoid.diagnosis.rules import RULES
 from exoid.optimisation.fitting.fit import Fit
@@ -38,5 +39,8 @@ def what_is_wrong(fit: Fit, names: Sequence[str]) -> Doubt:
     sides = {name: fit.estimate(f"{name}.side").value for name in names}
     when = {name: "before" if side < 0.0 else "after" for name, side in sides.items()}
     what = {name: f"comes {late:.2g} s {when[name]} the motion it belongs to" for name, late in seconds.items()}
-    times = " and ".join(dict.fromkeys(f"{s:.2g} s" for s in seconds.values()))
-    return wrong_torques(what, f"shift the torque columns by {times}, or find out why the logger is late")
+    times: dict[str, list[str]] = {}
+    for name, late in seconds.items():
+        times.setdefault(f"{late:.2g} s", []).append(name.partition(":")[2])
+    shifts = " and ".join(f"the torque of the {listed(joints)} by {late}" for late, joints in times.items())
+    return wrong_torques(what, f"shift {shifts}, or find out why the logger is late")
