@@ -92,7 +92,7 @@ def _switches() -> Iterator[Switch]:
     yield Switch("evidence.score", "harmless", _says(True))
     yield Switch("evidence.ranking", "_outvoted", _says(False))
     yield Switch("evidence.soft_drive", "soft_drive", _says(None))
-    yield Switch("evidence.swinging", "own_sway", _says(None))
+    yield Switch("evidence.swinging", "sway_nodes", _says(None))
     yield Switch("evidence.swinging", "swinging", _says(None))
     yield Switch("evidence.apart", "odd_ones", _says(()))
     yield Switch("evidence.intermittent", "intermittent", _says(None))
