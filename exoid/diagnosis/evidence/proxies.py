@@ -4,7 +4,7 @@ same data shows that it is a proxy for something else.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,19 +42,14 @@ class BetterCurve:
 
 
 def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns]) -> BetterCurve | None:
-    """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term, or of several
-    together, on the same data.
+    """Return the curve without physics at `joint`, common to all recordings or one in each, that clearly beats the
+    columns (one node) of a term, or of several together, on the same data; None where none does.
 
     Beaten is a term that explains less than most of what a curve does, clearly so in the scatter of blocks of time, and
     that adds little to that curve: it was a proxy. A true effect of a machine that has errors besides explains most of
     what a curve can bend to. A term beside which something else is left adds nearly as much to a curve as it gains
     alone. `now` and `evidence` are of the model without the term.
     """
-    return next((curve for curve in _better_curves(now, evidence, joint, term) if curve.supersedes(term)), None)
-
-
-def _better_curves(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns]) -> Iterator[BetterCurve]:
-    """Yield the smooth curves that clearly explain more than a term, common to all recordings or one in each."""
     rules, place = evidence.rules, now.model.joint_names.index(joint)
     for own in (False, True):
         data = curve_data_per_recording(now, evidence) if own else CurveData((evidence,))
@@ -64,7 +59,9 @@ def _better_curves(now: FittedModel, evidence: Evidence, joint: str, term: Seque
                 continue
             if (splines := splines_along(now, variable, place, factor, rules.knots)) is None:
                 continue
-            curve, ridge = splines.columns, rules.curve_ridge
-            share = data.share(curve, ridge)
-            if mine < rules.most * share and lag(losses, data.losses(curve, ridge)) >= rules.clear:
-                yield BetterCurve(curve, data, share)
+            columns, ridge = splines.columns, rules.curve_ridge
+            curve = BetterCurve(columns, data, data.share(columns, ridge))
+            clearly = mine < rules.most * curve.share and lag(losses, data.losses(columns, ridge)) >= rules.clear
+            if clearly and curve.supersedes(term):
+                return curve
+    return None
