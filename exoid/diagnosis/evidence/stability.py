@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from math import comb
 
@@ -17,12 +18,13 @@ import numpy as np
 
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.gain import Evidence, robust_weight
 from exoid.diagnosis.evidence.gram import Fits, inverse_of
 from exoid.diagnosis.evidence.score import Score, admissible
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import order_of
+from exoid.optimisation.fitting.identify import identify
 from exoid.symbolic.motion import Float
 
 MOST_AGAINST = 3
@@ -80,8 +82,31 @@ class Splits:
         rows = np.column_stack([np.where(right, gain, -np.inf), expected, seen])
         return self._agreement(rows, _ranges(tuple(score.candidate.term.effect.coefficients), own[:, :, 0]))
 
-    def term(self, fitted: FittedModel, name: str) -> Agreement:
-        """Return in how many splits the accepted term `name` of the model helps, and the ranges of its numbers."""
+    def refitted(self, fitted: FittedModel, name: str) -> Agreement:
+        """Return the same as `term` where the model is refitted in every split, its shape values too.
+
+        Far from where they were found, shape values are not linear: a split without the slowest recording knows little
+        of a width. What each model leaves is weighted as the gain that is expected is.
+        """
+        rivals, gains = (fitted.model, fitted.model.without(name)), []
+        recordings = fitted.prepared.all
+        sigma = self.evidence.sigma
+        weights = [robust_weight(block, sigma, self.rules) / sigma[:, None] ** 2 for block in self.evidence.blocks]
+        for held in self.held_out:
+            kept, unseen = (tuple(p for k, p in enumerate(recordings) if (k in held) == out) for out in (False, True))
+            split, losses = replace(fitted.prepared, train=kept, verify=unseen), []
+            for model in rivals:
+                own = [k for k, shape in enumerate(fitted.model.shapes) if shape.term in {t.name for t in model.terms}]
+                fit = identify(model, kept, optimisers=(), start=fitted.shape[own] if own else None)
+                left = fitted_model(fit, split).residuals[len(kept) :]
+                losses.append(sum(float(np.sum(weights[k] * r**2)) for k, r in zip(held, left, strict=True)))
+            gains.append(losses[1] - losses[0])
+        return self.term(fitted, name, gains)
+
+    def term(self, fitted: FittedModel, name: str, gains: Sequence[float] | Float | None = None) -> Agreement:
+        """Return in how many splits the accepted term `name` of the model helps, and the ranges of its numbers; `gains`
+        are those in every split, where they are known.
+        """
         model = fitted.model
         entries = [(p.term, p.name) for p in model.parameters] + [(s.term, s.name) for s in model.shapes]
         now, mine = np.zeros(self.evidence.prior.size), np.zeros(self.evidence.prior.size, dtype=bool)
@@ -97,7 +122,8 @@ class Splits:
         without, lean = (np.tile(start, (len(grams), 1)) for start in (gone, -gone))
         without[:, rest] = (reduced @ (slopes[:, rest] - taken)[:, :, None])[:, :, 0]
         lean[:, rest] = (reduced @ taken[:, :, None])[:, :, 0]
-        gains = self.unseen.loss(without[:, :, None])[:, 0] - self.losses
+        if gains is None:
+            gains = self.unseen.loss(without[:, :, None])[:, 0] - self.losses
         values = (now + self.fits.step)[:, mine]
         bounds = [
             (-np.inf if p.min is None else p.min, np.inf if p.max is None else p.max)

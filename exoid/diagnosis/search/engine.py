@@ -201,6 +201,10 @@ def drop_unsteady(context: SearchContext, state: State) -> State:
     splits = Splits(context.evidence(state.last, draws=0))
     found = {name: splits.term(last, name) for name in state.names}
     weak = [name for name, agreement in found.items() if not agreement.enough(context.rules)]
+    if len(splits.held_out) <= context.rules.most_folds:
+        shaped = {shape.term for shape in last.model.shapes if not shape.shape.per_recording}
+        found |= {name: splits.refitted(last, name) for name in weak if name in shaped}
+        weak = [name for name in weak if not found[name].enough(context.rules)]
     if not weak:
         return state
     return _without(context, state, least_of(weak, lambda name: found[name].share or 0.0, 1.0))
