@@ -231,6 +231,7 @@ def doubted(doubt: Doubt) -> Conclusion:
 def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
     """Return the conclusion where a drive is too soft for its encoder to say where the link is."""
     falls = _told_falls(soft.before, soft.after, joints)
+    angle, torque = next((item.unit("q"), item.unit("tau")) for item in joints if item.name == soft.joint)
     whose, unsure = f"the encoder of the {soft.joint}", ""
     if not soft.sure:
         whose = "an encoder"
@@ -240,9 +241,9 @@ def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
         f"a soft drive, its twist found from the measured torque, leaves {100 * soft.share:.0f} % of the squared error "
         "beyond the noise that all accepted entries together leave",
         f"The link does not stand where {whose} says: the torques fit a drive of the {soft.joint} of about "
-        f"{1.0 / soft.compliance:.2g} {soft.stiffness} with its encoder at the motor ({falls}). The link swings behind "
+        f"{1.0 / soft.compliance:.2g} {torque}/{angle} with its encoder at the motor ({falls}). The link swings behind "
         f"it at about {soft.hertz:.2g} Hz, and no model of the encoder's motion alone predicts that: nothing is "
-        f"accepted. Nearest in the catalogue: {soft.name}, c about {soft.compliance:.2g} {soft.unit}.{unsure}",
+        f"accepted. Nearest in the catalogue: {soft.name}, c about {soft.compliance:.2g} {angle}/({torque}).{unsure}",
         "what is accepted in place of a soft drive would only take up part of it",
         f"measure the angle of the {soft.joint} behind its drive; to make sure, clamp the link and load the drive: "
         f"{soft.name} is the angle at the encoder per torque" + ("" if soft.sure else "; then the other drives"),

@@ -101,13 +101,6 @@ def test_a_spring_that_outweighs_the_machine_is_no_wrong_channel(good):
     assert doubts_after(begun, found) is None
 
 
-def test_one_recording_with_the_torque_of_another_motion_is_named(good):
-    odd = with_torque(good[1], good[2].tau)
-    found = doubt([good[0], odd, good[2]])
-    assert found is not None and f"Fitted alone, {odd.name} cannot" in found.sentence
-    assert found.remedy.startswith(f"begin with {odd.name}: ")
-
-
 def found_in(recordings) -> Diagnosis:
     return discover(MODEL, recordings[:2], recordings[2:], seed=1)
 

@@ -48,7 +48,7 @@ def with_torque(change):
     return fitted(out)
 
 
-def test_a_foot_on_the_ground_is_suspected_with_phase_and_size(walks):
+def test_a_foot_on_the_ground_is_suspected_with_its_size(walks):
     found = intermittent(fitted(walks))
     stance = np.mean([walked(seed)[2].mean() for seed in range(3)])
     assert abs(found.share - stance) < 0.12
@@ -56,7 +56,7 @@ def test_a_foot_on_the_ground_is_suspected_with_phase_and_size(walks):
     pushed = np.concatenate([walked(seed)[1][walked(seed)[2]] for seed in range(3)])
     assert np.allclose(found.torque, np.sqrt(np.mean(pushed**2, axis=0)), rtol=0.2)
     assert np.all(found.quiet < 0.7)
-    assert "passes" in found.phase and "upwards" in found.force
+    assert "upwards" in found.force
 
 
 @pytest.mark.slow

@@ -20,7 +20,6 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.errors import NotEnoughDataError
 from exoid.ground.plain import AsJson
-from exoid.ground.text import digits
 from exoid.ground.ties import index_of_least
 from exoid.measurement.auditing.checks.units import CHECK as UNITS
 from exoid.measurement.finding import Finding
@@ -102,12 +101,9 @@ def _why(judged: FittedModel, index: int, alone: Fit | None, share: float, rules
     for finding in prepared.misread:
         if _is_of(finding, name):
             return f"; {finding.what} ({finding.remedy})"
-    remedy = "write the unit into the header of that file"
     for finding in prepared.findings:
         if finding.check == UNITS and finding.severity == "warning" and _is_of(finding, name):
-            return f"; {finding.what} ({remedy})"
-    if (times := _times(judged, index, rules)) is not None:
-        return f"; its torques are {digits(times, 3)} times as large as they should be: another unit or gain ({remedy})"
+            return f"; {finding.what} (write the unit into the header of that file)"
     if alone is None:
         return ""
     if share < 1.0 - rules.little:
@@ -121,18 +117,7 @@ def _why(judged: FittedModel, index: int, alone: Fit | None, share: float, rules
     ]
     numbers = f" ({', '.join(moved[:4])})" if moved else ""
     text = f", and fitted alone it is explained, with numbers of its own{numbers}"
-    return f"{text}: another machine, a load (--payload) or gain of a sensor"
-
-
-def _times(judged: FittedModel, index: int, rules: Rules) -> float | None:
-    """Factor between the torques of a recording and those of a model, the same for all joints; None where it leaves
-    more than a negligible part.
-    """
-    recording = judged.prepared.all[index]
-    wanted, torque = judged.torque(index)[recording.used], recording.torque[recording.used]
-    power, common = float(wanted @ wanted), float(wanted @ torque)
-    left = float(torque @ torque) - common**2 / power
-    return common / power if left <= rules.negligible * float(torque @ torque) else None
+    return f"{text}: another machine, a load (--payload), or a unit or gain of a sensor"
 
 
 def _alone(base: FittedModel, found: Fit, one: PreparedRecording, whole: float) -> tuple[Fit | None, float]:

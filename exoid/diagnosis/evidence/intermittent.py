@@ -51,8 +51,6 @@ LEAST, SELDOM = 0.1, 0.02
 """Parts of the windows that it must leave free, and that it must act in."""
 FAINT = 1e-3
 """Part of the median error of a window that counts as none: logarithms have no zero."""
-PHASE = 0.7
-"""Length of the mean direction of the phases in which it begins and ends, from which they are told."""
 PLACES = tuple(np.linspace(0.05, 1.5, 30))
 """Where on the last link a force is tried, in lengths of the link above."""
 
@@ -61,8 +59,8 @@ PLACES = tuple(np.linspace(0.05, 1.5, 30))
 class Intermittent:
     """Something outside the model that acts during `share` of the time, `seconds` long at a time, every `period` s.
 
-    `torque` (J,) is its RMS while it acts, `quiet` (J,) that of the error meanwhile it does not, N·m; `phase` says when
-    it acts, `force` what force it would be, and `foot` what a foot does meanwhile, in words.
+    `torque` (J,) is its RMS while it acts, `quiet` (J,) that of the error meanwhile it does not, N·m; `force` says what
+    force it would be, and `foot` what a foot does meanwhile, in words.
     """
 
     share: float
@@ -70,7 +68,6 @@ class Intermittent:
     period: float
     torque: Float
     quiet: Float
-    phase: str
     force: str
     foot: str
 
@@ -80,15 +77,14 @@ class Intermittent:
         return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
 
     def sentence(self, joints: Sequence[Joint]) -> str:
-        """The phase in which it acts and how large it is, for people."""
+        """How often and how long it acts and how large it is, for people."""
         sizes = [
             ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in zip(joints, part, strict=True))
             for part in (self.torque, self.quiet)
         ]
-        when = f", {self.phase}" if self.phase else ", in no phase of its own"
         return (
             f"Something outside the model pushes in part of the time: about every {self.period:.2g} s, for "
-            f"{self.seconds:.2g} s ({100 * self.share:.0f} % of the time){when}. While it acts it makes {sizes[0]} "
+            f"{self.seconds:.2g} s ({100 * self.share:.0f} % of the time). While it acts it makes {sizes[0]} "
             f"(RMS); the rest of the time the model as it is leaves {sizes[1]}, before any filter."
             + "".join(f" {said[0].upper()}{said[1:]}." for said in (self.force, self.foot) if said)
             + (f" Is it {'the ground under a foot' if self.force or self.foot else 'a person, or something touched'}?")
@@ -168,7 +164,6 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
         period=float(np.median(np.concatenate([np.diff(each[:, 0]) for each in times]))),
         torque=sizes[0],
         quiet=sizes[1],
-        phase=_phase(base, views, episodes),
         force=force,
         foot=foot,
     )
@@ -279,28 +274,6 @@ def _rms(views: list[_View], torques: list[Float], chosen: list[NDArray[np.bool_
     masks = [view.seen & own for view, own in zip(views, chosen, strict=True)]
     square = np.sum([np.sum(x**2 * mask, axis=1) for x, mask in zip(torques, masks, strict=True)], axis=0)
     return np.asarray(np.sqrt(square / np.maximum(np.sum([mask.sum(axis=1) for mask in masks], axis=0), 1)))
-
-
-def _phase(base: FittedModel, views: list[_View], episodes: list[NDArray[np.int_]]) -> str:
-    """Return in which phase of the motion it begins and ends, of the joint that says so best; "" for none."""
-    paths = [np.stack([view.recording.motion.q, view.recording.motion.dq]) for view in views]
-    whole = np.concatenate(paths, axis=1)
-    wide, fast = np.maximum(whole.std(axis=1), 1e-12)
-    both = [
-        np.concatenate([path[:, each[:, k]] for path, each in zip(paths, episodes, strict=True)], axis=1)
-        for k in (0, 1)
-    ]
-    turns = [(x - whole[0].mean(axis=0)) / wide + 1j * v / fast for x, v in both]
-    lengths = [np.abs(np.mean(turn / np.abs(turn), axis=0)) for turn in turns]
-    best = index_of_greatest(lengths[0] * lengths[1])
-    if min(lengths[0][best], lengths[1][best]) < PHASE:
-        return ""
-    joint = base.model.joints[best]
-    words = [
-        f"{np.median(x[:, best]):.2g} {joint.unit('q')} {'forwards' if np.median(v[:, best]) > 0.0 else 'backwards'}"
-        for x, v in both
-    ]
-    return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
 
 
 def _foot(views: list[_View], acts: list[NDArray[np.bool_]], rules: Rules) -> str:

@@ -47,7 +47,7 @@ NO_BETTER = 0.95
 
 @dataclass(frozen=True, eq=False)
 class SoftDrive:
-    """A drive at `joint` whose `compliance` (in `unit`, its inverse in `stiffness`) lets its link swing at `hertz`.
+    """A drive at `joint` whose `compliance`, angle per torque, lets its link swing at `hertz`.
 
     Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged, and `fitted`
     (J,) on fitted motion; of what was more than noise it leaves the `share`. `sure` is the joint where the other
@@ -56,8 +56,6 @@ class SoftDrive:
 
     joint: str
     compliance: float
-    unit: str
-    stiffness: str
     hertz: float
     before: Float
     after: Float
@@ -136,12 +134,9 @@ def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
     compliance = float(np.exp(minimum(lambda x: cost(float(np.exp(x))), low, high, CLOSE)[0]))
     left, every = _left(links, count, compliance, scale, fitted.linear), fitted.prepared.all
     judged = slice(count, None) if fitted.verified else slice(0, count)
-    driven = fitted.model.joints[joint]
     return SoftDrive(
-        joint=driven.name,
+        joint=fitted.model.joint_names[joint],
         compliance=compliance,
-        unit=f"{driven.unit('q')}/({driven.unit('tau')})",
-        stiffness=f"{driven.unit('tau')}/{driven.unit('q')}",
         hertz=float((compliance * inertia) ** -0.5 / (2.0 * np.pi)),
         before=fitted.evaluation_rms,
         after=pooled_rms(left[judged], every[judged]),

@@ -1,28 +1,20 @@
 """A swing at one frequency in every recording, whatever the motion: a base that oscillates, an engine, a fan.
 
 Where its phase differs from recording to recording, no function of motion and common clock can describe it. Whoever
-starts a recorder does not ask the stand for its phase. So a sway of the base is asked for with an amplitude and a phase
-of its own in each recording: at a given frequency its torque is linear in its sine and cosine parts, and only the
-frequency is searched. The model's numbers are those of all recordings. Each is judged by halves: one half with the sway
-that the other half shows.
-
-A sway shifted in time is the same sway with another phase, so time-shifted placebos cannot say what is chance here.
-These placebos are shifted in frequency, each recording by another amount: what has no line of its own that all
-recordings share gains as much from a frequency in one and a neighbouring one in another.
+starts a recorder does not ask the stand for its phase. So a sway of the base is weighed with a phase of its own in each
+recording: at a given frequency its torque is linear in its sine and cosine parts, which every recording shows alone,
+and only the frequency is searched, near the line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
-from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.evidence.gain import Evidence
-from exoid.diagnosis.evidence.gram import Gram
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.ties import index_of_greatest, least_of
 from exoid.optimisation.fitting.phases import phases_of
@@ -46,12 +38,6 @@ NEAR = 0.25
 it leaves."""
 MOST_TRIED = 100
 """Frequencies to either side of it at most, for speed: of a long recording the line is sharp."""
-ASIDE, APART = 2, 2.0
-"""Times that part to which placebos reach, and how far they are shifted at least, in reciprocal durations."""
-ROUNDS = 2
-"""Times that sway and model's numbers are fitted: the torque of the sway is proportional to the masses."""
-FINER = 9
-"""Parts of a step between frequencies to which the best one is found."""
 AT_ONCE = 32
 """Frequencies whose columns are held in memory at once."""
 
@@ -120,94 +106,29 @@ def _shares(x: Float, rate: float, step: float, grid: Float) -> Float:
     return np.asarray((upto[high] - upto[low]) / max(upto[-1], 1e-300))
 
 
-@dataclass(frozen=True, eq=False)
-class OwnSway:
-    """A sway at `hertz` whose sine and cosine parts are `parts` (R, 4) m/s², forwards and upwards, in each recording.
-
-    `p_value` is the share of placebos that gain as much, the sway itself counted among them.
-    """
-
-    hertz: float
-    parts: Float
-    p_value: float
-
-    @property
-    def nodes(self) -> Float:
-        """The only node (R, 1, 2) of the catalogue's entry: this frequency, and the phases."""
-        return np.column_stack([np.full(len(self.parts), self.hertz), phases_of(self.parts)])[:, None]
-
-
-def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway | None:
-    """Return the sway about the clearest line of what `last` leaves, where that is far above the `noise` (J,) in N·m;
-    None for none.
+def sway_nodes(last: FittedModel, noise: Float, rules: Rules = RULES) -> Float | None:
+    """Node (R, 1, 2) of the sway about the clearest line of what `last` leaves: a frequency in Hz, and a phase in every
+    recording; None for none, or where no more is left than a few times the `noise` (J,) in N·m.
     """
     swing = swinging(last) if np.any(last.evaluation_rms > rules.near_noise * noise) else None
     effect, model = find_effect(ENTRY), last.model
     taken = model.moving_base or any(term.effect.id == ENTRY for term in model.terms)
     if swing is None or taken or not places_of(effect, model.joints):
         return None
-    every = last.prepared.all
-    lasts = [float(item.t[-1] - item.t[0]) for item in every]
-    step = 1.0 / (FINE * max(lasts))
+    step = 1.0 / (FINE * max(float(item.t[-1] - item.t[0]) for item in last.prepared.all))
     count = min(MOST_TRIED, int(NEAR * swing.hertz / step))
     allowed = effect.shape["f"]
-    wide = swing.hertz + step * np.arange(-ASIDE * count, ASIDE * count + 1, dtype=float)
-    wide = wide[(wide >= allowed.min) & (wide <= allowed.max)]
-    near = np.abs(wide - swing.hertz) <= (count + 0.5) * step
-    if not near.any():
-        return None
+    tried = np.clip(swing.hertz + step * np.arange(-count, count + 1), allowed.min, allowed.max)
     candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 2)), False)
-    # The halves of all recordings are held out, one after the other.
-    blocks = last.evidence(seed=0, draws=0, rules=rules).blocks
-    halves = [replace(block, fold=2 * np.arange(len(block.fold)) // len(block.fold)) for block in blocks]
-    evidence = Evidence(halves, (), seed=0, draws=0, rules=replace(rules, most_folds=2 * len(halves)))
-    gains = _gains(evidence, last, candidate, wide)
-    best = wide[near][index_of_greatest(gains.sum(axis=0)[near])]
-    finer = best + step / FINER * np.arange(1 - FINER, FINER)
-    hertz = float(finer[index_of_greatest(_gains(evidence, last, candidate, finer).sum(axis=0))])
-    carrier, joints = last, tuple(range(len(noise)))
-    for _ in range(ROUNDS):
-        own = [item.full(0, len(noise)) for item in _columns(carrier, candidate, np.array([hertz]))]
-        # Those of all recordings beside each other, since all share the numbers of the model.
-        each = [np.kron(place, x)[None] for place, x in zip(np.eye(len(own)), own, strict=True)]
-        beside = [Columns(joints, np.asarray(x, dtype=float)) for x in each]
-        grams = evidence.plain(beside)
-        parts, change = evidence.fitted(grams)
-        carrier = replace(last, fit=replace(last.fit, linear=last.linear + change[: len(last.linear)]))
-    apart = int(np.ceil(APART / (min(lasts) * step)))
-    return OwnSway(hertz, parts.reshape(len(every), -1), chance_of(gains, near, apart, rules.placebos))
+    evidence, every = last.evidence(seed=0, draws=0, rules=rules), last.prepared.all
 
+    def alone(hertz: Float) -> tuple[Float, Float]:
+        """Sine and cosine parts (R, 4, F) of sways that every recording shows alone, and what they take away (F,)."""
+        nodes = np.column_stack([hertz, np.zeros(len(hertz))])
+        columns = [candidate_columns(candidate, nodes, item, last) for item in every]
+        parts, _, gain = evidence.alone.candidate(evidence.plain(columns))
+        return parts, gain.sum(axis=0)
 
-def _columns(last: FittedModel, candidate: Candidate, hertz: Float) -> list[Columns]:
-    nodes = np.column_stack([hertz, np.zeros(len(hertz))])
-    return [candidate_columns(candidate, nodes, item, last) for item in last.prepared.all]
-
-
-def _gains(evidence: Evidence, last: FittedModel, candidate: Candidate, hertz: Float) -> Float:
-    """Return by how much a sway at frequencies (F,) lowers the loss of every recording (R, F), each half with the sway
-    that the other half shows.
-    """
-    recordings, out = np.arange(len(evidence.blocks)), []
-    for some in np.array_split(hertz, len(hertz) // AT_ONCE + 1):
-        grams = evidence.plain(_columns(last, candidate, some))
-        own = [Gram(grams.rows * (evidence.of == k)[:, None, None, None]) for k in recordings]
-        out.append([evidence.gain(gram).total for gram in own])
-    return np.concatenate(out, axis=1)
-
-
-def chance_of(gains: Float, near: np.ndarray, apart: int, most: int) -> float:
-    """Return the p-value of what recordings gain together at the best frequency; `gains` (R, F) are those of each, of
-    which those `near` (F,) count. Placebos, `most` of them at most, shift all recordings but the first by `apart`
-    frequencies or more.
-    """
-    recordings, count = gains.shape
-    shifts = np.arange(apart, count - apart + 1)
-    if not shifts.size:
-        return 1.0
-    draws = min(most, shifts.size ** (recordings - 1) - 1)  # no more than differ
-    drawn = np.random.default_rng(0).choice(shifts, size=(draws, recordings - 1))
-    places = np.arange(count)[near]
-    each = [gains[r][(places + drawn[:, [r - 1]]) % count] for r in range(1, recordings)]
-    placebos = np.max(gains[0, places] + np.sum(each, axis=0), axis=1)
-    as_good = int(np.count_nonzero(placebos >= np.max(gains[:, places].sum(axis=0))))
-    return (1 + as_good) / (1 + draws)
+    gains = np.concatenate([alone(some)[1] for some in np.array_split(tried, len(tried) // AT_ONCE + 1)])
+    hertz = tried[[index_of_greatest(gains)]]
+    return np.column_stack([np.repeat(hertz, len(every)), phases_of(alone(hertz)[0][:, :, 0])])[:, None]

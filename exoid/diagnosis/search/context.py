@@ -18,7 +18,7 @@ from exoid.diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chanc
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.simulated import made_by_itself
 from exoid.diagnosis.evidence.swinging import ENTRY as SWAY
-from exoid.diagnosis.evidence.swinging import own_sway
+from exoid.diagnosis.evidence.swinging import sway_nodes
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.doubt import Objection, doubt
 from exoid.diagnosis.search.state import Extension, State
@@ -152,11 +152,11 @@ class SearchContext:
         return self.ranked[key]
 
     def _notice_sway(self, extension: Extension) -> None:
-        """Let the sway of the base be weighed with a phase of its own in every recording, where that is no chance."""
-        names = {candidate.name for candidate in self.library.candidates}
-        sway = own_sway(extension.fitted, self.noise(extension), self.rules) if SWAY in names else None
-        if sway is not None and sway.p_value <= self.rules.level / len(names):
-            self.library.narrow(SWAY, sway.nodes)
+        """Let the sway of the base be weighed with a phase of its own in every recording, where all swing alike."""
+        if any(candidate.name == SWAY for candidate in self.library.candidates):
+            nodes = sway_nodes(extension.fitted, self.noise(extension), self.rules)
+            if nodes is not None:
+                self.library.narrow(SWAY, nodes)
 
     def _draws(self) -> int:
         """Number of placebos of a candidate: enough that one among so many candidates can be significant."""
