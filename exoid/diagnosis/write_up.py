@@ -10,7 +10,6 @@ from itertools import pairwise
 from typing import TypeVar
 
 from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
@@ -29,7 +28,6 @@ from exoid.diagnosis.search.doubt import known_with_shape
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.ties import ascending
-from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
 from exoid.optimisation.preparation.prepare import Prepared
@@ -164,7 +162,6 @@ def write_up(
         audit=(
             *prepared.findings,
             *searched(prepared, done.context.prepared),
-            *_short(prepared, done.context.rules),
             *(() if length is None else (length.finding(),)),
         ),
         thigh_length=length,
@@ -193,19 +190,6 @@ def _power(done: Searched) -> tuple[Power, ...]:
     context, last = done.context, done.found.state.last
     evidence = context.evidence(last, DRAWS)
     return power_of(last.fitted, evidence, context.library, context.simulated(last))
-
-
-def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
-    """Return that the recordings are too short for anything to be accepted; nothing where they are not."""
-    text = little_motion(prepared, rules)
-    if not text:
-        return ()
-    seconds = rules.least_periods / prepared.choice.cutoff
-    remedy = (
-        f"record at least {seconds:.3g} s of motion to fit, in two recordings or more, in which every joint turns back "
-        f"at least {rules.least_strokes} times"
-    )
-    return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, seconds, remedy),)
 
 
 def best_first(
