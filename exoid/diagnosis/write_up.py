@@ -83,12 +83,11 @@ def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
 def accepted_of(
     extensions: Sequence[Extension],
     agreements: Mapping[str, Agreement],
-    split: Sequence[str],
     context: SearchContext,
     own: OwnNumbers | None = None,
 ) -> tuple[Accepted, ...]:
     """Return the effects that were added, with their numbers in the last model, which are not known where recordings
-    have some of their `own` that do the same, and what splits of the recordings with the names `split` say of each.
+    have some of their `own` that do the same, and what splits of the recordings say of each.
     """
     last, rules = extensions[-1], context.rules
     times = times_noise(last.fitted)
@@ -114,7 +113,7 @@ def accepted_of(
                 rms_after=extension.fitted.evaluation_rms,
                 sentence=sentence_of(term, numbers, known_with_shape(last.fitted, term.name) | mixed),
                 agreement=agreement,
-                against=tuple(split[k] for k in agreement.against),
+                against=tuple(context.prepared.all[k].name for k in agreement.against),
                 doubted=context.prepared.angles_were_filtered,
                 left=float(times[list(score.candidate.joints)].max()),
                 share=share,
