@@ -9,17 +9,12 @@ from exoid.diagnosis.evidence.best_effects import may_be_explained, most_effects
 from exoid.diagnosis.evidence.channel_doubt import COLUMNS, Doubt, finite, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
-from exoid.diagnosis.evidence.model_error import is_near_noise
-from exoid.diagnosis.own_numbers.compared import predicts_better
-from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.readings import reading_doubt
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.measurement.finding import EVERY, Finding
 
 OUTSIDE = "outside"
 """What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""
-OWN = "of_recordings"
-"""What the finding is called that numbers of recordings' own explain what the model leaves."""
 
 
 def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
@@ -31,8 +26,6 @@ def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
     if outside is not None and not may_be_explained(fitted, rules):
         return (Finding(OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), EVERY, remedy=ADVICE),)
     doubt = wrong or doubts_before(fitted, rules)
-    if doubt is None and (own := _own_numbers(fitted, rules)):
-        return own
     share = left_share(fitted)
     most = np.nanmax(share, initial=0.0)
     if doubt is None and most > rules.worth_telling:
@@ -45,16 +38,3 @@ def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
     if doubt is None:
         return ()
     return (Finding("channels", "warning", doubt.sentence.rstrip("."), EVERY, remedy=doubt.remedy),)
-
-
-def _own_numbers(fitted: FittedModel, rules: Rules) -> tuple[Finding, ...]:
-    """Findings on numbers that belong to recordings, where the model beside them predicts clearly better and leaves
-    about the noise: beside more they may be traces of what it is missing.
-    """
-    if is_near_noise(fitted, rules) or (own := belonging_to(fitted, rules)) is None:
-        return ()
-    beside = own.beside(fitted, fitted.prepared)
-    if not is_near_noise(beside, rules) or not predicts_better(fitted, beside, rules):
-        return ()
-    remedy = "`exoid discover` takes it into account"
-    return tuple(Finding(OWN, "warning", told.sentence.rstrip("."), EVERY, remedy=remedy) for told in own.told)

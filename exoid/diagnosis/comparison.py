@@ -1,8 +1,7 @@
 """Model against measurement: how large the error is, and where it is.
 
 The share of a joint's error that follows a variable is what a smooth curve in it predicts on blocks the curve has not
-seen, so that chance explains nothing (and may come out negative, which is reported as zero). What a variable says
-beyond one curve, near which values and at reversals, is measured on the residual itself.
+seen, so that chance explains nothing (and may come out negative, which is reported as zero).
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from exoid.diagnosis.report.page import Reported
 from exoid.diagnosis.where import Where, samples_of, where_it_sits
 from exoid.ground.frames import pandas
 from exoid.ground.html import picture, table
-from exoid.ground.plain import AsJson, by_name
+from exoid.ground.plain import by_name
 from exoid.ground.text import digits
 from exoid.measurement.finding import Finding
 from exoid.measurement.forces import pushed_model
@@ -210,7 +209,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         verify_rms=now.verify_rms,
         signal_rms=pooled_rms([item.torque for item in shown], shown),
         noise_floor=prepared.noise_floor,
-        sse_verify_rms=None if unseen is None else unseen.sse,
+        sse_verify_rms=None if unseen is None else unseen[1],
         where=() if now.prepared.misread else where_it_sits(now, curves),
         per_recording=tuple(now.per_recording),
         cutoff=prepared.choice.reason,
@@ -223,22 +222,13 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Verification(AsJson):
-    """RMS error (J,) in N·m on unseen recordings of the Huber and of the SSE parameters: the paper's check."""
-
-    huber: Float
-    sse: Float
-
-    def _json(self) -> dict[str, Any]:
-        return {"verify_rms": self.huber, "sse_verify_rms": self.sse}
-
-
-def verification(fit: Fit, prepared: Prepared) -> Verification | None:
-    """Return the errors on the verification recordings; None without any."""
+def verification(fit: Fit, prepared: Prepared) -> tuple[Float, Float] | None:
+    """RMS errors (J,) in N·m on the verification recordings, None without any, of the Huber and of the SSE parameters:
+    the paper's check.
+    """
     if not prepared.verify:
         return None
     shapes = np.broadcast_to(fit.sse.shape, np.shape(fit.shapes))
     first = replace(fit, linear=fit.sse.linear, shape=fit.sse.shape, shapes=shapes)
-    pair = [fitted_model(item, prepared).verify_rms for item in (fit, first)]
-    return Verification(np.asarray(pair[0]), np.asarray(pair[1]))
+    huber, squares = (fitted_model(item, prepared).evaluation_rms for item in (fit, first))
+    return huber, squares

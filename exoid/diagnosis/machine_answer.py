@@ -6,29 +6,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from exoid.diagnosis.doubts import doubts_after
-from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
-from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.soft_drive import soft_drive
-from exoid.diagnosis.evidence.stability import splits_of
 from exoid.diagnosis.question import Question, Searched
 from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
-from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
+from exoid.diagnosis.results import Accepted, Diagnosis, Step
 from exoid.diagnosis.search.doubt import refuted
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
 from exoid.diagnosis.search.state import Extension
-from exoid.diagnosis.settings import ALL
 from exoid.diagnosis.verdict import behind, conclude, doubted
-from exoid.diagnosis.write_up import accepted_of, estimates_in, possible_beside, write_up
-from exoid.ground.errors import NotEnoughDataError
-from exoid.ground.progress import Progress, part_of, silent
-from exoid.ground.ties import ascending
+from exoid.diagnosis.write_up import accepted_of, write_up
+from exoid.ground.progress import Progress, part_of
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared
-from exoid.symbolic.quantity import Estimate
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,19 +81,18 @@ def _answer(asking: Asking, base: FittedModel) -> Diagnosis:
 def _inside(asking: Asking, base: FittedModel) -> tuple[Searched, Diagnosis]:
     """Return the search and the answer of a machine on which nothing acts but what is measured."""
     question, tick, recordings, verify = asking.question, asking.tick, asking.recordings, asking.verify
-    rules, splits = question.rules, question.asked.splits
-    whole = part_of(tick, 0.0, 0.5) if splits == ALL else tick
+    rules = question.rules
 
     def read(option: str) -> FittedModel:
         fitted, held = ([read_as(recording, option) for recording in group] for group in (recordings, verify))
-        return question.fitted(fitted, held, whole)
+        return question.fitted(fitted, held, tick)
 
-    done = question.search(base, whole, asking.found, read)
+    done = question.search(base, tick, asking.found, read)
     if done.answer is not None:
         return done, write_up(done, done.answer, asking.began)
     if wrong := reading_doubt(done.found.state.last.fitted.fit, done.found.state.names):
         return done, write_up(done, doubted(wrong), asking.began)
-    whole(0.95, "judging what was found on the whole of the recordings")
+    tick(0.95, "judging what was found on the whole of the recordings")
     done, extensions = settle(done)
     state = done.found.state
     last = extensions[-1].fitted
@@ -111,59 +103,18 @@ def _inside(asking: Asking, base: FittedModel) -> tuple[Searched, Diagnosis]:
 
     several = len(recordings) + len(verify) > 1
     agreements = agreements_of(done.context, state) if several else {}
-    possible, split = possible_of(done.context, state, several), [item.name for item in done.context.prepared.all]
-    if splits == ALL and several:
-        split = [item.name for item in (*asking.recordings, *asking.verify)]
-        agreements, possible = _from_scratch(asking.part(0.5, 0.96), state.names)
+    possible = possible_of(done.context, state, several)
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
-    accepted = accepted_of(extensions, agreements, split, done.context, question.own)
     soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
-        possible = possible_beside(soft, accepted, possible, rules)
         return unless_doubted(write_up(done, behind(soft, last.model.joints), asking.began, possible=possible))
-    accepted = tuple(map(in_words, accepted))
+    accepted = tuple(map(in_words, accepted_of(extensions, agreements, done.context, question.own)))
     first = () if accepted else done.found.first
     leading = leading_of(done.context, state, first, done.base.evaluation_rms)
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)
     return unless_doubted(write_up(done, answer, asking.began, extensions, accepted, left, possible, leading))
-
-
-def _from_scratch(asking: Asking, accepted: Sequence[str]) -> tuple[dict[str, Agreement], tuple[Possible, ...]]:
-    """Search anew in every split; return how often each of the `accepted` was, and what else some splits accept."""
-    everything, question, count = [*asking.recordings, *asking.verify], asking.question, 0
-    found: dict[str, list[tuple[Score, dict[str, Estimate]]]] = {}
-    lost: dict[str, list[int]] = {name: [] for name in accepted}
-    splits = splits_of(len(everything), len(asking.verify), question.rules, question.asked.seed)
-    for number, held_out in enumerate(splits):
-        asking.tick(number / len(splits), f"split {number + 1} of {len(splits)}, from scratch")
-        fitted = [r for k, r in enumerate(everything) if k not in held_out]
-        try:
-            base = question.fitted(fitted, [everything[k] for k in held_out], silent)
-            state = question.search(base, silent).found.state
-        except NotEnoughDataError:  # these recordings alone do not determine the model: this split cannot tell
-            continue
-        count += 1
-        for score in state.accepted:
-            found.setdefault(score.name, []).append((score, estimates_in(state.last.fitted.fit, score.name)))
-        for name in lost.keys() - {*state.names}:
-            lost[name].extend(held_out)
-    against = {name: tuple(dict.fromkeys(units)) for name, units in lost.items()}
-    agreements = {name: Agreement(0, count, {}, units) for name, units in against.items()}
-    possible = []
-    for name, entries in found.items():
-        values = [numbers for _, numbers in entries]
-        ranges = {key: (min(v[key].value for v in values), max(v[key].value for v in values)) for key in values[0]}
-        agreement = Agreement(len(entries), count, ranges, against.get(name, ()), len(splits), len(everything))
-        agreements[name] = agreement
-        if name not in accepted:
-            score, own = entries[0]
-            term = score.candidate.term
-            numbers = {key: replace(e, low=ranges[key][0], high=ranges[key][1]) for key, e in own.items()}
-            reason = f"accepted in {len(entries)} of {count} splits of the recordings, each searched from scratch"
-            possible.append(Possible(term.effect.id, term.joint, agreement, numbers, score.share, reason))
-    return agreements, tuple(ascending(possible, lambda p: -(p.agreement.share or 0.0), 1.0))
 
 
 def in_words(one: Accepted) -> Accepted:

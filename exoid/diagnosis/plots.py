@@ -1,4 +1,4 @@
-"""Figures of the diagnosis: the falling error, torque over time, the error against what it depends on, suspects."""
+"""Figures of the diagnosis: the falling error, torque over time, the error against what it depends on."""
 
 from __future__ import annotations
 
@@ -42,8 +42,6 @@ Groups = Mapping[str, NDArray[np.bool_]]
 """Which samples belong together, by name."""
 Quantity = tuple[str, str]
 """What an axis shows, in words, and its unit."""
-Bar = tuple[str, str | None, float, bool]
-"""A suspect: its name, its joint (None: both), the share it explains, and whether one is sure of it."""
 
 
 def falling_error(
@@ -224,25 +222,6 @@ def curve(
         axes.axhline(0.0, color=FAINT, linewidth=0.7)
         axes.set(title=f"{joint}: what is left", xlabel=label(*variable), ylabel=label(f"torque{factor}", unit))
         axes.legend(loc="best", fontsize=8)
-    return figure
-
-
-def suspects(bars: Sequence[Bar], joints: Sequence[str] = JOINTS, most: int = 10) -> Figure:
-    """Draw how much of the unseen error each suspect explains, best first; those of which one is sure are filled."""
-    rows = [bar for bar in bars if bar[2] > 0.0][:most][::-1]
-    with figure_style():
-        figure = new_figure(6.4, 0.8 + 0.3 * max(1, len(rows)))
-        axes = figure.subplots()
-        colours = joint_colours(joints)
-        for place, (_, joint, share, sure) in enumerate(rows):
-            colour = colours.get(joint or "", FAINT)
-            axes.barh(place, 100 * share, color=colour if sure else "none", edgecolor=colour)
-        axes.set_yticks(range(len(rows)), [name for name, *_ in rows], fontsize=8)
-        axes.set(
-            xlabel=label("share of the unseen error explained alone", "%"),
-            title="Suspects (filled: very or fairly sure)",
-        )
-        axes.grid(axis="y", visible=False)
     return figure
 
 

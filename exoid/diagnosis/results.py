@@ -18,11 +18,11 @@ from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.own_numbers.numbers import Belonging
-from exoid.diagnosis.plots import falling_error, suspects, torques_over_time
+from exoid.diagnosis.plots import falling_error, torques_over_time
 from exoid.diagnosis.report.material import Material, Picture, pictures_of
 from exoid.diagnosis.report.page import Reported
 from exoid.diagnosis.rules import RULES, Rules
-from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, VERY, least_sure, meanings_of, sureness
+from exoid.diagnosis.sureness import FAIRLY, MEANINGS, UNSURE, least_sure, meanings_of, sureness
 from exoid.ground.frames import pandas
 from exoid.ground.html import Bar, bullets, fold, lines, picture, table
 from exoid.ground.plain import AsJson, by_name
@@ -380,13 +380,6 @@ class Diagnosis(Falling, Conclusion):
             for joint, before, after in zip(self.joints, first.evaluation_rms, last.evaluation_rms, strict=True)
         )
         out = [("The error falling", text, self.plot())]
-        if self.suspects:
-            best = ", ".join(self.called(s.name) for s in self.suspects[:3])
-            alt = f"Share of the unseen error each suspect explains alone; first: {best}."
-            bars = [
-                (self.called(s.name), s.joint, s.explained_share, s.sureness in (VERY, FAIRLY)) for s in self.suspects
-            ]
-            out.append(("Suspects", alt, suspects(bars, self.joints)))
         if self.unexplained is not None:
             out.append(("What nobody explains", self.unexplained.sentence, self.unexplained.plot()))
         return out

@@ -13,9 +13,6 @@ from exoid.measurement.signals.methods import BUTTERWORTH, DERIVATIVES
 if TYPE_CHECKING:
     from exoid.symbolic.effect import Effect
 
-LINEARISED, ALL = "linearised", "all"
-"""Ways to repeat the decision over splits of the recordings."""
-
 
 class DiagnosisOptions(TypedDict, total=False):
     """`DiagnosisSettings` as keywords."""
@@ -31,7 +28,6 @@ class DiscoveryOptions(DiagnosisOptions, total=False):
     """`DiscoverySettings` as keywords."""
 
     most: int | None
-    splits: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,15 +49,9 @@ class DiagnosisSettings(VerbSettings):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DiscoverySettings(DiagnosisSettings):
-    """Limits of a search, and the way in which its decision is repeated."""
+    """Limit of a search."""
 
     most: int | None = setting(None, "effects that are added at most; without it, what the rules say")
-    splits: str = setting(
-        LINEARISED,
-        "repeat the decision over splits of the recordings about the models that were found, or search all of them "
-        "from scratch, which takes as many times as long",
-        choices=(LINEARISED, ALL),
-    )
 
     def limited(self, joints: int) -> Rules:
         """The rules for a machine of so many `joints`, with `most` in them. Of many joints less is searched: candidates

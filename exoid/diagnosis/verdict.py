@@ -19,7 +19,7 @@ from exoid.diagnosis.evidence.swinging import Swing, swinging
 from exoid.diagnosis.results import Accepted, Conclusion, Possible
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.text import digits
-from exoid.ground.ties import ascending, index_of_greatest
+from exoid.ground.ties import ascending
 from exoid.measurement.auditing.masses import MASSES
 from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
@@ -139,19 +139,19 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
         )
     elif names := _far_where_fitted(end.last, end.rules):
         rule = f"the error {where} is near the noise, that on fitted ones is not"
-        text = f"Something is left that the recordings held out do not show: {_on_fitted_motion(end.last, names)}."
-        text += end.nearest
+        text = f"More than noise is left in {', '.join(names)} that the recordings held out do not show.{end.nearest}"
         advice = _look_at(names)
     else:
-        verdict, short = "adequate", little_motion(end.last.prepared, end.rules)
+        verdict = "adequate"
         rule = (
             f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
             f"{beside_floor(end.last)}"
         )
         text = "The model explains these recordings; nothing is missing that can be distinguished from noise."
-        if short:
-            text += f" They could not show much: {short}.{end.nearest}"
-            advice = advice or "record more motion of this kind: small effects show only in the mean of much"
+    short = little_motion(end.last.prepared, end.rules)
+    if short and short not in text:
+        text += f" These recordings could not show much: {short}.{end.nearest if verdict == 'adequate' else ''}"
+        advice = advice or "record more motion of this kind: small effects show only in the mean of much"
     return Conclusion(verdict, rule, text, end.stopped, advice, error=error)
 
 
@@ -170,13 +170,9 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
     elif far := _far_where_fitted(end.last, end.rules):
-        text += f" Beyond that, {_on_fitted_motion(end.last, far)}."
+        text += f" Beyond that, more than noise is left in {', '.join(far)} that those held out do not show."
         advice = advice or _look_at(far)
     text += end.oscillation
-    if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
-        named = {term.name: term.effect for term in end.last.model.terms}
-        numbers = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
-        text += f" What a held-out recording has to itself ({numbers}) was found in one half and judged on the other."
     losing = [a for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)]
     if lost := " and ".join(called(a.name, end.find) for a in losing):
         text += f" The recordings held out here lose a little by {lost}; in nearly all other splits they gain by it."
@@ -207,18 +203,6 @@ def _look_at(names: Sequence[str]) -> str:
         f"look at {' and '.join(names)} (what touched the machine, a load, a sensor) and leave out what is not of "
         "the machine; otherwise hold out a recording that shows it too: what is met in no recording held out "
         "cannot be verified"
-    )
-
-
-def _on_fitted_motion(last: FittedModel, names: Sequence[str]) -> str:
-    """Words on what is left on fitted motion, most of it in the recordings `names`, and on unseen motion."""
-    times = last.train_rms / np.maximum(sensor_noise(last.prepared), 1e-6)
-    j = index_of_greatest(times)
-    unit = last.model.joints[j].unit("tau")
-    return (
-        f"{the_joint(last.model.joint_names[j])} keeps {digits(last.train_rms[j])} {unit} on fitted motion "
-        f"({', '.join(names)}), {digits(times[j], 2)} times the noise, "
-        f"and {digits(last.evaluation_rms[j])} {unit} on unseen motion"
     )
 
 
@@ -351,7 +335,7 @@ def sentence_of(term: Term, numbers: Mapping[str, Estimate], unknown: Collection
 
 
 def biased_parameters(before: Fit, after: Fit) -> tuple[str, ...]:
-    """Return, in words, which old parameters the missing effects had pulled off, and what became plausible."""
+    """Old parameters that the missing effects had pulled off, in words."""
     new = {e.name: e for e in after.estimates}
     labels = {parameter.name: parameter.label for parameter in before.model.parameters}
     out = []
@@ -359,9 +343,5 @@ def biased_parameters(before: Fit, after: Fit) -> tuple[str, ...]:
         now = new.get(old.name)
         if now is None or not np.isfinite([now.low, now.high]).all() or now.low <= old.value <= now.high:
             continue
-        text = f"{labels.get(old.name) or old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip()
-        friction = old.name.startswith(("coulomb", "viscous"))
-        if friction and old.value < 0.0 <= now.value:
-            text += " (a friction that was negative, which is impossible, has become positive)"
-        out.append(text)
+        out.append(f"{labels.get(old.name) or old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip())
     return tuple(out)

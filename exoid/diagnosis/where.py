@@ -1,4 +1,4 @@
-"""Place of a model's error: in which variables of a joint's motion, and in which stretches of it.
+"""Place of a model's error: in which variables of a joint's motion.
 
 A curve counts with what it takes from what the curves before it leave, so that the shares of a joint never add up to
 more than its whole error.
@@ -7,7 +7,7 @@ more than its whole error.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,17 +24,9 @@ Int = NDArray[np.int64]
 
 LEAST_SHARE: Threshold = 0.01
 """share of a joint's squared error that is worth a line: what curves follow by chance"""
-SLOW: Threshold = 0.1
-"""rad/s, or as much of a slide, below which a joint counts as slow: errors of reversal spread over all speeds"""
-AT_LIMIT: Threshold = 0.05
-"""share of the range at either end that counts as its end: a stop hides in the whole range"""
 BINS = 24
 BLOCK = 2.0
 """s, stretches of time whose means scatter independently of each other."""
-CONCENTRATED: Threshold = 2.0
-"""times more error than time that a region holds: every region has some"""
-LEAST_REGION: Threshold = 0.15
-"""share of the error that a region holds: a short peak beside the rest of it"""
 
 
 @dataclass(frozen=True)
@@ -82,7 +74,7 @@ def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = Fal
 
 
 def where_it_sits(now: FittedModel, curves: Sequence[Remainder]) -> tuple[Where, ...]:
-    """Return the ranked list: curves that predict unseen error, and the regions in which the error gathers."""
+    """Variables of which a curve predicts unseen error, the largest share first."""
     found = [item for joint in now.model.joint_names for item in _at_joint(now, joint, curves)]
     return tuple(ascending(found, lambda w: -w.share, 1.0))
 
@@ -109,7 +101,7 @@ def _at_joint(now: FittedModel, joint: str, curves: Sequence[Remainder]) -> list
         split = "direction" if item.directed else "recording" if item.own else ""
         found[item.variable] = Where(joint, item.variable, share, text, caution, split)
         left = after
-    return _with_regions(now, joint, found, left)
+    return [*found.values()]
 
 
 def _followed(one: Remainder, at: ErrorSamples, y: Float) -> Float:
@@ -122,39 +114,3 @@ def _followed(one: Remainder, at: ErrorSamples, y: Float) -> Float:
         group = np.asarray(group + BINS * at.recording)
     top, bottom = np.bincount(group, factor * y), np.bincount(group, factor * factor)
     return np.asarray((top / np.maximum(bottom, 1e-300))[group] * factor)
-
-
-def _with_regions(now: FittedModel, joint: str, found: dict[str, Where], left: Float) -> list[Where]:
-    """Return the places `found`, with the regions (slow motion, the ends of the range) that hold much error.
-
-    A region of a variable that has a line already is said there; another counts with what is `left` (K,) of the error.
-    """
-    number = now.model.joint_names.index(joint) + 1
-    moved = now.model.joints[number - 1]
-    slow, unit = SLOW * moved.reach, moved.unit("q")
-    at = samples_of(now, joint, f"q{number}", train=True)
-    error, rest = at.y**2, left**2
-    total = float(error.sum())
-    edge = AT_LIMIT * float(np.ptp(at.x))
-    high, low = at.x.max() - edge, at.x.min() + edge
-    regions = (
-        (f"dq{number}", np.abs(at.speed) < slow, f"within ±{slow:g} {unit}/s, where it creeps or reverses"),
-        (f"q{number}", at.x > high, f"above {high:.2f} {unit}, at the upper end"),
-        (f"q{number}", at.x < low, f"below {low:.2f} {unit}, at the lower end"),
-    )
-    more = []
-    for variable, mask, words in regions:
-        time, known = float(mask.mean()), found.get(variable)
-        share = float((error if known else rest)[mask].sum()) / total
-        if not share > max(CONCENTRATED * time, LEAST_REGION):
-            continue
-        place = f"{words}, in {100 * time:.0f} % of the time"
-        if known:
-            text = f"{known.sentence}; {100 * share:.0f} % of the whole sits {place}"
-            found[variable] = replace(known, sentence=text)
-        else:
-            further = "a further " if found else ""
-            text = f"{joint}: {further}{100 * share:.0f} % of the squared error sits {place}"
-            more.append(Where(joint, variable, share, text))
-            rest = np.where(mask, 0.0, rest)
-    return [*found.values(), *more]

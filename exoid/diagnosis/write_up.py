@@ -10,26 +10,22 @@ from itertools import pairwise
 from typing import TypeVar
 
 from exoid.diagnosis.evidence.agreement import Agreement
-from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.score import Score, share_of_own_joints
-from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.own_numbers.numbers import Belonging, OwnNumbers
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Conclusion, Diagnosis, Possible, Step, Suspect
-from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import known_with_shape
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.ties import ascending
-from exoid.measurement.finding import Finding
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
 from exoid.optimisation.preparation.prepare import Prepared
@@ -38,21 +34,6 @@ from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
 Ranked = TypeVar("Ranked")
-
-
-def possible_beside(
-    soft: SoftDrive, accepted: Sequence[Accepted], possible: Sequence[Possible], rules: Rules
-) -> tuple[Possible, ...]:
-    """Possible effects where a drive too soft for its encoder explains more than all that was accepted."""
-    reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
-    given_up = [
-        Possible(effect.effect, effect.joint, effect.agreement, effect.parameters, effect.fall, reason)
-        for effect in accepted
-        if effect.fall >= rules.least_share
-    ]
-    names = {item.name for item in accepted}
-    every = [*given_up, *(entry for entry in possible if entry.name not in names)]
-    return tuple(ascending(every, lambda item: -item.explained_share, 1.0)[: rules.most_possible])
 
 
 def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel, caution: str = "") -> Diagnosis:
@@ -85,12 +66,11 @@ def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
 def accepted_of(
     extensions: Sequence[Extension],
     agreements: Mapping[str, Agreement],
-    split: Sequence[str],
     context: SearchContext,
     own: OwnNumbers | None = None,
 ) -> tuple[Accepted, ...]:
     """Return the effects that were added, with their numbers in the last model, which are not known where recordings
-    have some of their `own` that do the same, and what splits of the recordings with the names `split` say of each.
+    have some of their `own` that do the same, and what splits of the recordings say of each.
     """
     last, rules = extensions[-1], context.rules
     times = times_noise(last.fitted)
@@ -116,7 +96,7 @@ def accepted_of(
                 rms_after=extension.fitted.evaluation_rms,
                 sentence=sentence_of(term, numbers, known_with_shape(last.fitted, term.name) | mixed),
                 agreement=agreement,
-                against=tuple(split[k] for k in agreement.against),
+                against=tuple(context.prepared.all[k].name for k in agreement.against),
                 doubted=context.prepared.angles_were_filtered,
                 left=float(times[list(score.candidate.joints)].max()),
                 share=share,
@@ -164,7 +144,6 @@ def write_up(
         audit=(
             *prepared.findings,
             *searched(prepared, done.context.prepared),
-            *_short(prepared, done.context.rules),
             *(() if length is None else (length.finding(),)),
         ),
         thigh_length=length,
@@ -193,19 +172,6 @@ def _power(done: Searched) -> tuple[Power, ...]:
     context, last = done.context, done.found.state.last
     evidence = context.evidence(last, DRAWS)
     return power_of(last.fitted, evidence, context.library, context.simulated(last))
-
-
-def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
-    """Return that the recordings are too short for anything to be accepted; nothing where they are not."""
-    text = little_motion(prepared, rules)
-    if not text:
-        return ()
-    seconds = rules.least_periods / prepared.choice.cutoff
-    remedy = (
-        f"record at least {seconds:.3g} s of motion to fit, in two recordings or more, in which every joint turns back "
-        f"at least {rules.least_strokes} times"
-    )
-    return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, seconds, remedy),)
 
 
 def best_first(

@@ -38,8 +38,7 @@ def truth(name):
 def test_exact_look_alikes_and_what_else_would_help():
     (one,) = same_torques(LEG, [term("drive_gain:hip"), term("drive_gain:knee")])
     assert one.mutual and "no motion can distinguish them" in one.sentence
-    assert one.ways[0].startswith("hang a known mass")
-    assert any("does not help (computed): tilt" in way for way in one.ways)
+    assert "A known mass added at a known place" in one.ways[0]
 
 
 def test_an_effect_inside_another_is_no_exact_look_alike():
@@ -120,13 +119,6 @@ def test_a_motion_for_rivals_in_other_machines(joint, rivals):
     assert found.separable and all(use.holds for use in found.uses)
     assert f" {joint.unit('tau')} on" in repr(found)
     assert found.plot().axes[1].get_ylabel().endswith(f"[{joint.unit('q')}]")
-
-
-def test_what_else_distinguishes_look_alikes_of_a_chain():
-    model = Model("bench", joints=(Joint("axis"),))
-    terms = [model.with_effect(name).terms[-1] for name in ("com_offset:axis", "gravity_tilt")]
-    (one,) = same_torques(model, terms)
-    assert one.mutual and one.ways[0].startswith("hang a known mass on the axis")
 
 
 def test_a_machine_on_a_moving_base_is_refused():

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.enough_motion import fitted_seconds, little_motion
 from exoid.diagnosis.evidence.gain import robust_weight
@@ -22,10 +21,6 @@ from exoid.diagnosis.search.doubt import Objection, doubt, known_with_shape, on_
 from exoid.diagnosis.search.engine import run_search
 from exoid.diagnosis.search.possible import agreements_of, possible_of
 from exoid.diagnosis.verdict import sentence_of
-from exoid.measurement.bench.hidden import Hidden
-from exoid.measurement.bench.simulation import Bench, simulate_runs
-from exoid.symbolic.effect_catalogue import catalogue
-from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
 
 OFFSET = {"torque_offset:knee": ([0.6], [])}
@@ -238,18 +233,6 @@ def test_what_a_joint_showed_in_few_strokes_is_not_accepted_there():
     assert little_motion(part, RULES) == "" and little_motion(part, RULES, (0,)) == ""
     assert "4 strokes of the knee" in little_motion(part, RULES, (1,))
     assert little_motion(part, replace(RULES, least_strokes=4), (1,)) == ""
-
-
-@pytest.mark.slow
-def test_splits_are_searched_from_scratch():
-    hidden = (Hidden(catalogue()["rotor_inertia"], "knee", {"c": 0.4}),)
-    runs = simulate_runs(3, effects=hidden, seed=4, bench=Bench(duration=10.0))
-    found = discover(Model.standard(), [run.recording for run in runs], splits="all")
-    (one,) = found.accepted
-    assert one.name == "rotor_inertia:knee"
-    assert one.agreement.of == 3 and one.agreement.accepted >= 2
-    low, high = one.agreement.ranges["c"]
-    assert 0.2 < low <= one.parameters["c"].value <= high < 0.6
 
 
 def test_what_does_not_come_again_with_the_motion_counts_as_noise():

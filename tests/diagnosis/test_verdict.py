@@ -85,7 +85,7 @@ def test_a_model_is_not_adequate_where_what_is_missing_shows_in_fitted_recording
     offset = Possible("torque_offset", "knee", Agreement(1, 2), {}, 0.48, "supported by 1 of 2 splits")
     found = conclude((), None, near, near, True, 4, possible=(offset,))
     assert found.verdict == "unexplained"
-    assert "the knee keeps" in found.sentence and "(run_0, run_1, run_2)" in found.sentence
+    assert "left in run_0, run_1, run_2 that" in found.sentence
     assert "Torque offset at the knee, 48 %" in found.sentence and "hold out a recording" in found.next_experiment
     assert conclude((), None, near, near, True, 4).verdict == "unexplained"
     near = replace(last, prepared=replace(last.prepared, noise_floor=np.maximum(last.train_rms, last.evaluation_rms)))

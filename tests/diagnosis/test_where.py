@@ -10,7 +10,6 @@ import pytest
 
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.where import samples_of, where_it_sits
-from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Motion
 
@@ -54,15 +53,6 @@ def test_two_causes_share_the_error_between_them():
     assert "a further" in found[1].sentence and "a further" not in found[0].sentence
 
 
-def test_a_region_is_said_where_its_variable_has_no_line():
-    now = model_that_left(lambda motion: 3.0 * (motion.q[:, 1] > -0.33))
-    found = where_it_sits(now, [])  # at the end of its range a joint is slow, too: the same error counts once
-    assert any(one.variable == "q2" and "at the upper end" in one.sentence for one in found)
-    assert 0.5 < sum(one.share for one in found) <= 1.0
-    (with_curve,) = where_it_sits(now, [curve("q2", 0.9)])
-    assert "follows the knee angle" in with_curve.sentence and "at the upper end" in with_curve.sentence
-
-
 def test_what_turns_with_the_motion_is_split_by_direction():
     now = model_that_left(lambda motion: np.sign(motion.dq[:, 1]) * (1.0 + motion.q[:, 1] ** 2))
     (found,) = where_it_sits(now, [curve("q2", 0.95, "sign")])
@@ -80,31 +70,6 @@ def test_samples_know_recording_and_block():
     at = samples_of(now, "knee", "t")
     assert set(at.recording) == {0, 1} and len(set(at.block)) == 20
     assert at.x.max() == pytest.approx(19.98)
-
-
-@pytest.mark.parametrize(
-    ("inside", "share", "said"),
-    [
-        (lambda motion: np.abs(motion.dq[:, 1]) < 0.1, 0.21, "within ±0.1 rad/s"),
-        (lambda motion: np.abs(motion.dq[:, 1]) < 0.1, 0.135, ""),
-        (lambda motion: motion.q[:, 1] > -0.35, 0.34, "above -0.35 rad"),
-        (lambda motion: motion.q[:, 1] > -0.35, 0.25, ""),
-    ],
-)
-def test_a_region_is_said_where_it_holds_more_error_than_every_region_does(inside, share, said):
-    def residual(motion):
-        time = inside(motion).mean()
-        size = np.where(inside(motion), np.sqrt(share * (1.0 - time) / (time * (1.0 - share))), 1.0)
-        return size * np.where(np.arange(len(size)) % 2, 1.0, -1.0)
-
-    sentences = [one.sentence for one in where_it_sits(model_that_left(residual), []) if one.joint == "knee"]
-    assert any(said in text for text in sentences) if said else not sentences
-
-
-def test_a_slide_is_measured_in_metres():
-    now = model_that_left(lambda motion: 3.0 * (motion.q[:, 1] > -0.33))
-    now.model = Model("crane", joints=(Joint("arm", length=0.4), Joint("knee", "prismatic")))
-    assert any("above -0.35 m, at the upper end" in item.sentence for item in where_it_sits(now, []))
 
 
 @pytest.mark.parametrize(("share", "lines"), [(0.015, 1), (0.008, 0)])

@@ -41,7 +41,7 @@ def test_limits_that_cannot_be_met_are_status_one(capsys):
 def test_look_alikes_are_status_one(capsys):
     assert run("--separate", "drive_gain:hip,drive_gain:knee") == 1
     said = capsys.readouterr().out
-    assert "no motion can distinguish them" in said and "instead: hang a known mass" in said
+    assert "no motion can distinguish them" in said and "A known mass added at a known place" in said
 
 
 def test_rivals_with_recordings(tmp_path, capsys, monkeypatch):

@@ -111,6 +111,12 @@ class Evidence:
         self._fits, self._held_out = self.fits(self.is_train * (1.0 - held)), self.held_out(held)
         self._losses = self._held_out.loss(self._fits.step[:, :, None])[:, 0]
 
+    @cached_property
+    def basis(self) -> Float:
+        """Orthonormal columns (samples, P) that span the model's on the used samples of the fitted recordings."""
+        known = np.concatenate([block.columns[block.use] for block in self.train])
+        return np.asarray(np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))[0])
+
     def forget(self) -> None:
         """Let go of what is made of the model's columns for candidates, and is made again where more are weighed."""
         for kept in (self._kept, self._spans, self._transforms):

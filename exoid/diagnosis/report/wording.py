@@ -37,8 +37,7 @@ def effect_of(name: str, model: Any) -> Effect | None:
     return found or every_effect().get(id)
 
 
-def said_of(name: str, model: Any, what: str = "explains") -> str:
-    """Return the sentence of the catalogue for a technician, or of "tells_apart" the look-alikes and the experiment
-    that distinguishes them; "" for an unknown name.
-    """
-    return str(getattr(effect_of(name, model), what, ""))
+def said_of(name: str, model: Any) -> str:
+    """Sentence of the catalogue for a technician; "" for an unknown name."""
+    effect = effect_of(name, model)
+    return "" if effect is None else effect.explains

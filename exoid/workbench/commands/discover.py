@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 
 from exoid.workbench.command_line.asking import answer_question
-from exoid.workbench.command_line.options import add_common, add_question, add_settings
-from exoid.workbench.command_line.parser import Seldom
+from exoid.workbench.command_line.options import add_common, add_question
 
 GROUP = "answer"
 HELP = """add missing effects one after the other until the verdict says stop
@@ -16,11 +15,8 @@ exoid discover run1.csv run2.csv --verify run3.csv --out report --write leg_exte
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from exoid.diagnosis.settings import DiscoverySettings
-
     add_question(parser)
     parser.add_argument("--write", metavar="FILE", help="write the extended model to FILE")
-    add_settings(Seldom(parser), DiscoverySettings, "splits")
     add_common(parser)
 
 
@@ -28,4 +24,4 @@ def run(args: argparse.Namespace) -> int:
     """Discover and show; 0 whatever is found, 1 where the channels cannot be what they say."""
     from exoid.diagnosis.discovery import discover
 
-    return answer_question(args, discover, "What the model was missing", write=args.write, splits=args.splits)
+    return answer_question(args, discover, "What the model was missing", write=args.write)

@@ -19,10 +19,10 @@ from exoid.workbench.terminal.progress import progress
 from exoid.workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from exoid.diagnosis.comparison import Verification
     from exoid.optimisation.fitting.fit import Fit
     from exoid.optimisation.fitting.neighbours import Neighbours
     from exoid.optimisation.fitting.thigh_length import ThighLength
+    from exoid.symbolic.motion import Float
     from exoid.workbench.command_line.inputs import Inputs
 
 GROUP = "build"
@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
     screen, joints, unit = Screen.of(args), given.model.joint_names, given.model.torque_unit
     show_fit(screen, fit)
     if unseen is not None:
-        by_huber, by_squares = (per_joint(rms, joints, unit) for rms in (unseen.huber, unseen.sse))
+        by_huber, by_squares = (per_joint(rms, joints, unit) for rms in unseen)
         screen.say(f"error (RMS) on unseen motion: {by_huber} by Huber, {by_squares} by SSE")
     if near.cutoffs and near.agree:
         tried = " and ".join(f"{cutoff:g}" for cutoff in near.cutoffs)
@@ -76,9 +76,9 @@ def run(args: argparse.Namespace) -> int:
 
         write_model(given.model, args.write, fit)
         screen.say(f"model: {args.write}")
-    over = show_limit(screen, args.limit, fit.rms if unseen is None else unseen.huber, unit)
-    checked = {} if unseen is None else unseen.to_json()
-    beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber, joints, unit)}"
+    over = show_limit(screen, args.limit, fit.rms if unseen is None else unseen[0], unit)
+    checked = {} if unseen is None else dict(zip(("verify_rms", "sse_verify_rms"), unseen, strict=True))
+    beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen[0], joints, unit)}"
     payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked, "neighbouring_cutoffs": near.to_json()}
     payload["by_recording"] = alone.to_json()
     payload["thigh_length"] = None if length is None else length.to_json()
@@ -94,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _identified(
     args: argparse.Namespace, given: Inputs
-) -> tuple[Fit, Verification | None, Neighbours, ThighLength | None]:
+) -> tuple[Fit, tuple[Float, Float] | None, Neighbours, ThighLength | None]:
     """Return the fit with all that is to be said of it, its errors on unseen motion, what neighbouring cut-offs give,
     and the thigh length that the torques ask for.
     """

@@ -54,7 +54,7 @@ def show_by_recording(screen: Screen, found: Any) -> None:
 
 def of_the_set(audit: Iterable[Any]) -> list[Any]:
     """Return the findings of an audit about recordings together, which reading one by one could not tell."""
-    checks = ("overlap", "thigh_length", "channels", "forces", "of_recordings", SPIKES)
+    checks = ("overlap", "thigh_length", "channels", "forces", SPIKES)
     told = [finding for finding in audit if finding.check in checks]
     return [finding for finding in told if finding.severity == "warning" or "cannot tell" in finding.what]
 
