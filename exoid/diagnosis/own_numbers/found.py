@@ -14,6 +14,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.hypotheses import Claim
 from exoid.diagnosis.own_numbers.changes import changes_of, sharpened
 from exoid.diagnosis.own_numbers.compared import clearer, falls_clearly, total
 from exoid.diagnosis.own_numbers.fits import Fits
@@ -154,8 +155,8 @@ class _Search:
         state = self._at_other_angles(state)
         self.fits.weigh(state)
         state = self._with_middles(_placed(self.fits, self._pruned(state)))
-        turned = tuple(self._turned_round(tuple(other for other in state if other is not item), item) for item in state)
-        return state if turned == state else placed(self.fits, turned)
+        fewer = tuple(self._fewest(tuple(other for other in state if other is not item), item) for item in state)
+        return state if fewer == state else placed(self.fits, fewer)
 
     def _at_other_angles(self, state: State) -> State:
         """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
@@ -227,46 +228,33 @@ class _Search:
         """
         taken = {held.claim for held in state}
         free = [item for item in self.claims if not (item.everyone or item.common or item in taken)]
-        if self.many < 2 or not free:
+        if self.many < 2:
             return []
-        nodes = [(claim, node) for claim in free for node in claim.nodes]
-        mixed = np.zeros((self.fits.rows[0].shape[2], len(nodes)))
-        for c, (claim, node) in enumerate(nodes):
-            mixed[self.fits.place[claim], c] = claim.mix(node)
-        low, high = np.array([claim.bounds for claim, _ in nodes]).T
-        # What one recording has less of all others have more of, where the model's own numbers hold what all have.
-        low = np.where([claim.shared for claim, _ in nodes], -high, low)
-        whole = self.fits.sums(state).sum(axis=0)
-        columns = self.fits.grams @ mixed
-        products = np.swapaxes(self.fits.chosen(state), 1, 2)[:, None] @ columns
-        squares = np.sum(mixed * columns, axis=2)
-        now = 0.0
-        losses, numbers = np.zeros((2, self.many, len(nodes)))
-        for own, other in ((0, 1), (1, 0)):
-            step, inverse = self.fits.solved(whole[own])
-            both = np.append(-step, 1.0)
-            now += float(both @ whole[other] @ both)
-            by_model, by_left, square = products[:, own, :-1], products[:, own, -1], squares[:, own]
-            lean = inverse @ by_model
-            power = square - np.sum(by_model * lean, axis=1)
-            seen = power > self.rules.negligible * square
-            number = np.where(seen, (by_left - step @ by_model) / np.where(seen, power, 1.0), 0.0)
-            moved = np.insert(lean * number[:, None] - step[:, None], len(step), 1.0, axis=1)
-            left = np.sum(moved * (whole[other] @ moved), axis=1)
-            left += number**2 * squares[:, other] - 2.0 * number * np.sum(moved * products[:, other], axis=1)
-            numbers += number
-            losses += np.where((low <= number) & (number <= high), left, np.inf)
-        best: list[tuple[float, Claimed]] = []
-        for claim in free:
-            mine = [c for c, (element, _) in enumerate(nodes) if element is claim]
-            k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
-            less = claim.shared and numbers[k, mine[c]] < 0.0
-            group = tuple(j for j in range(self.many) if (j == k) != less)
-            best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
-        useful = [entry for entry in best if entry[0] <= (1.0 - self.rules.least_share) * now]
-        ordered = [held for _, held in ascending(useful, lambda one: one[0], 1.0)]
+        least = self.rules.least_share * self.fits.squares(state)
+        found = [(gain, held) for gain, held in (self._best_alone(state, claim) for claim in free) if gain >= least]
+        ordered = [held for _, held in ascending(found, lambda pair: -pair[0], 1.0)]
         kinds = [held.claim.what for held in ordered]
         return [held for k, held in enumerate(ordered) if k < TRIED or held.claim.what not in kinds[:k]]
+
+    def _best_alone(self, state: State, claim: Claim) -> tuple[float, Claimed]:
+        """The recording and node at which a claim takes most of the squared error, and how much."""
+        fits, place = self.fits, self.fits.place[claim]
+        step, inverse = fits.solved(fits.sums(state).sum(axis=(0, 1)))
+        mix = np.array([claim.mix(node) for node in claim.nodes]).T
+        columns = fits.grams.sum(axis=1)[:, :, place] @ mix
+        products = np.swapaxes(fits.chosen(state), 1, 2) @ columns
+        square = np.sum(mix * columns[:, place], axis=1)
+        power = square - np.sum(products[:, :-1] * (inverse @ products[:, :-1]), axis=1)
+        seen = power > self.rules.negligible * square
+        number = np.where(seen, products[:, -1] - step @ products[:, :-1], 0.0) / np.where(seen, power, 1.0)
+        low, high = claim.bounds
+        # What one recording has less of all others have more of, where the model's own numbers hold what all have.
+        can = (number >= (-high if claim.shared else low)) & (number <= high)
+        gain = number**2 * power * can
+        k, c = divmod(index_of_least(-gain.ravel()), len(claim.nodes))
+        less = claim.shared and number[k, c] < 0.0
+        group = tuple(j for j in range(self.many) if (j == k) != less)
+        return float(gain[k, c]), Claimed(claim, claim.nodes[c], (group,))
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
         """A claim with as many recordings as clearly have it, and no more. No choice of them is asked about twice: the
@@ -289,7 +277,7 @@ class _Search:
 
     def _fewest(self, state: State, held: Claimed) -> Claimed:
         """A claim without recordings that need no number, or turned to those that have none where these are fewer."""
-        while len(held.groups) > 1:
+        while len(held.groups) > 1 and not held.claim.everyone:
             self.fits.weigh((*state, held))
             shorter = [tuple(group for group in held.groups if group is not out) for out in held.groups]
             other = self._others(held)[-1].groups
@@ -300,16 +288,6 @@ class _Search:
                 break
             held = best
         return held
-
-    def _turned_round(self, state: State, held: Claimed) -> Claimed:
-        """A claim, turned to those recordings that have no number where these are fewer and it predicts no worse so."""
-        if held.claim.everyone or held.claim.common or held.claim.shared:
-            return held
-        other = self._others(held)[-1]
-        if len(other.groups) >= len(held.groups) or not np.isfinite(self.fits.loss((*state, other))):
-            return held
-        now, then = (total(self.fits.losses((*state, item))) for item in (held, other))
-        return other if then <= now else held
 
     def _others(self, held: Claimed) -> list[Claimed]:
         """A claim with one recording more; of a number that is shared, also with one less; of others, also the
