@@ -50,7 +50,7 @@ def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, 
     if cuts:
         in_parts = Fits(now, rules, cuts)
         search = _Search(in_parts, ways)
-        then = search.found(search.regrouped(in_parts.moved(fits, held)))
+        then = search.found(())
         if cuts := sharpened(in_parts, then):
             fits = Fits(now, rules, cuts)
             held = placed(fits, fits.moved(in_parts, then))
@@ -183,16 +183,8 @@ class _Search:
             for claim in self.claims:
                 if claim.everyone and all(item.claim is not claim for item in state):
                     own = Claimed(claim, claim.nodes[0], self.fits.everyone)
-                    if self.fits.pays(self._needless(state, own), (*state, own), self.clear):
+                    if self.fits.pays(state, (*state, own), self.clear):
                         state = (*state, own)
-        return state
-
-    def regrouped(self, state: State) -> State:
-        """The same claims with those parts of recordings that have them, where whole recordings had them before."""
-        for item in state:
-            rest = tuple(other for other in state if other is not item)
-            own = item.claim.everyone or item.claim.common or item.claim.whole
-            state = state if own else (*rest, self._grown(rest, item))
         return state
 
     def _is_the_machines(self, rest: State, held: Claimed) -> bool:
@@ -251,7 +243,10 @@ class _Search:
         # What one recording has less of all others have more of, where the model's own numbers hold what all have.
         can = (number >= (-high if claim.shared else low)) & (number <= high)
         gain = number**2 * power * can
-        k, c = divmod(index_of_least(-gain.ravel()), len(claim.nodes))
+        # Beside zeros of its own a recording changes as much before as after: it is told from then on.
+        order = np.argsort([part.start == 0 for part in fits.parts], kind="stable")
+        k, c = divmod(index_of_least(-gain[order].ravel()), len(claim.nodes))
+        k = int(order[k])
         less = claim.shared and number[k, c] < 0.0
         group = tuple(j for j in range(self.many) if (j == k) != less)
         return float(gain[k, c]), Claimed(claim, claim.nodes[c], (group,))
@@ -306,7 +301,7 @@ class _Search:
         """The claims that are not needless beside the others; of motions that recordings were given, little is left."""
         given = any(part.known for part in self.fits.parts)
         while len(state) > 1 and (asked := [item for item in state if not (given and item.claim.of_motion)]):
-            rivals = [self._needless(tuple(item for item in state if item is not out), out) for out in asked]
+            rivals = [_placed(self.fits, tuple(item for item in state if item is not out)) for out in asked]
             best = index_of_least([total(self.fits.losses(rival)) for rival in rivals])
             if self.fits.pays(rivals[best], state, self.clear):
                 break
@@ -321,19 +316,3 @@ class _Search:
         places = {held.claim.place for held in state if held.claim.common and not held.claim.factor}
         zeros = [claim for claim in self.fits.claims if claim.everyone and claim.place in places and claim not in known]
         return (*state, *(Claimed(claim, claim.nodes[0], self.all) for claim in zeros))
-
-    def _needless(self, rest: State, held: Claimed) -> State:
-        """Claims that explain as much where a claim is needless: the others; beside a zero that is the same in all
-        recordings what was another number until a change is one from there on.
-        """
-        if not held.claim.everyone:
-            return _placed(self.fits, rest)
-        alike = (held.claim.what, held.claim.place)
-        turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
-        rivals = [_placed(self.fits, some) for some in dict.fromkeys((rest, turned))]
-        return least_of(rivals, self.fits.loss, 1.0)
-
-    def _turned(self, held: Claimed) -> Claimed:
-        """The same of the other parts of its recordings."""
-        other = {a: b for parts in self.fits.everyone for a, b in zip(parts, reversed(parts), strict=True)}
-        return replace(held, groups=tuple(tuple(other[j] for j in group) for group in held.groups))
