@@ -1,11 +1,17 @@
 """Recordings that differ, beside a hidden effect: each hides the other as long as it is missing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchmarks.differences import drawn, judged
+from exoid.diagnosis.against.differences import compare_against
 from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.discovery import discover
+from exoid.ground.errors import RecordingError
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import simulate_runs
 from exoid.symbolic import Model, Motion
 from exoid.symbolic.joints import Joint
 
@@ -55,3 +61,9 @@ def test_an_error_that_grew_is_told_although_nothing_that_was_asked_differs():
 
     assert found((0.3, 0.5)).sentence.startswith("Nothing differs between before and after")
     assert "the error of the knee grew from 0.2 to 3.1 N·m: look at the channels" in found((0.3, 3.1)).sentence
+
+
+def test_recordings_in_degrees_are_refused_and_no_load_of_another_sign_is_told():
+    before, after = (one.recording for one in simulate_runs(2, None, standard_leg(), seed=3))
+    with pytest.raises(RecordingError, match="in degrees"):
+        compare_against(Model.standard(), [before], [replace(after, q=np.rad2deg(after.q))])

@@ -30,6 +30,7 @@ from exoid.diagnosis.own_numbers.numbers import spread_of
 from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.question import own_effects
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.errors import RecordingError
 from exoid.ground.ties import ascending, least_of
 from exoid.measurement.forces import pushed_model
 from exoid.measurement.reading.given import Given, question_of
@@ -60,14 +61,16 @@ def compare_against(
 ) -> Differences:
     """Differences between recordings made `before` and `after` (maintenance, on two devices, of two wearers).
 
-    `extra` are effects beyond the catalogue and the model's own. Refuses recordings that are too short or, before, do
-    not determine the model.
+    `extra` are effects beyond the catalogue and the model's own. Refuses recordings that are too short, that are in
+    other units or another convention than the others, or that, before, do not determine the model.
     """
     model, before, after = question_of(model, before, after)
     machine = model.model if isinstance(model, Fit) else model
     assert isinstance(machine, Model)
     machine = machine if isinstance(model, Fit) else pushed_model(machine, (*before, *after))
     question = prepare(machine, before, after, cutoff=cutoff, derivative=derivative)
+    for finding in question.misread:
+        raise RecordingError(finding.what, where=finding.where, remedy=finding.remedy)
     began = time.perf_counter()
     now = fitted_model(identify(machine, question.train, optimisers=()), question)
     found = BeforeAfter(now, seed, own_effects(machine, tuple(extra)), RULES, MOST, {}).run()

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, refitted
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Node, Seen, sentence_on
@@ -68,7 +67,6 @@ class OwnNumbers:
     """Numbers that belong to recordings beside the model `now`: the claims that are `held` of `parts` of them, their
     `numbers` (C,) with the half-`widths` (C,) of their intervals, and for each part those (2, C) by which its two
     halves are judged; statements `of_each` claim. Factors are those of the model's torque at its `linear` numbers (P,).
-    `needless` are terms of the model that do no more than what each recording has.
     """
 
     now: FittedModel
@@ -78,7 +76,6 @@ class OwnNumbers:
     numbers: Float
     widths: Float
     judged: Float
-    needless: tuple[str, ...] = ()
     of_each: tuple[tuple[Belonging, ...], ...] = ()
 
     @property
@@ -108,15 +105,6 @@ class OwnNumbers:
             if groups:
                 out.append(held if groups == held.groups else replace(held, groups=groups))
         return tuple(out)
-
-    def of_a_machine(self, recordings: Sequence[Apart]) -> bool:
-        """True if some of the recordings needs as many numbers of its own as the model has."""
-        model, names = self.now.model, [item.name for item in self.now.prepared.all]
-        many = dict.fromkeys(names, 0)
-        for held in self.held:
-            for name in {names[self.parts[j].recording] for group in held.groups for j in group}:
-                many[name] += held.count
-        return any(many[item.recording] >= model.friction.stop for item in recordings)
 
     @property
     def ways(self) -> State:
@@ -256,7 +244,7 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
             judged[j, half] = fits.together(state, (j, half))[fits.count :]
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
     widths = spread.width[fits.count : len(step)]
-    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
+    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged)
     if any(part.known for part in fits.parts):  # there, the numbers are what is left of them
         groups = [(held.claim, fits.parts[group[0]].known) for held, group in grouped(state)]
         known = np.array([before.get(claim.key, 0.0) if claim.of_motion else 0.0 for claim, before in groups])
