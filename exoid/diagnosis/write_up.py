@@ -51,6 +51,12 @@ def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel, c
     )
 
 
+def with_loads(answer: Diagnosis, told: Sequence[Belonging]) -> Diagnosis:
+    """Return an answer about recordings whose loads were weighed before, and what is `told` of these."""
+    sentences = " ".join(f"{item.sentence}." for item in told)
+    return replace(answer, sentence=f"{sentences} {answer.sentence}", of_recordings=(*told, *answer.of_recordings))
+
+
 def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
     """Return the estimates of a term under their names without that of the term."""
     prefix = f"{name}."

@@ -14,6 +14,7 @@ from exoid.diagnosis.evidence.gain import RecordingEvidence
 from exoid.diagnosis.hypotheses import Claim, Node, StateColumn
 from exoid.measurement.reading.names import joints_of
 from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.joints import Vector
 from exoid.symbolic.motion import Float
 
 Cuts = Mapping[int, int]
@@ -33,6 +34,12 @@ class Claimed:
     def count(self) -> int:
         """Numbers that tell it in one group: of what has a place, what shows of that place, too."""
         return 1 + (int(self.turn.any(axis=0).sum()) if len(self.claim.nodes) > 1 else 0)
+
+    @property
+    def along(self) -> float | Vector:
+        """Place of a load as a `Payload` has it: m along its link, or three numbers in space."""
+        first, *others = self.node
+        return (first, others[0], others[1]) if others else first
 
     @property
     def turn(self) -> Float:

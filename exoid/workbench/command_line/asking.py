@@ -48,6 +48,10 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
             given.model, given.recordings, verify=given.verify, seed=args.seed, **given.filter,
             progress=part(report, 0.0, 0.95), **more,
         )  # fmt: skip
+        if given.loads:
+            from exoid.diagnosis.write_up import with_loads
+
+            found = with_loads(found, given.loads)
         comparison = None
         if args.out:
             from exoid.diagnosis.comparison import compare_prepared

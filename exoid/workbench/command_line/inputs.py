@@ -6,20 +6,23 @@ import argparse
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.suggest import did_you_mean
 from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.symbolic.joints import JOINT_NAME
 from exoid.symbolic.quantity import JOINTS
 from exoid.workbench.command_line.options import merged
 from exoid.workbench.command_line.parser import UsageError
 from exoid.workbench.command_line.said import say_findings
 from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
+    from exoid.diagnosis.own_numbers.numbers import Belonging
     from exoid.measurement.reading.among import FoundFiles
     from exoid.measurement.reading.mapping import StatedMapping
     from exoid.measurement.recording import Recording
@@ -32,7 +35,8 @@ if TYPE_CHECKING:
 class Inputs:
     """Inputs of a question about recordings.
 
-    `cutoff` in Hz is that of the common filter, None: chosen; `derivative` how accelerations come from angles.
+    `cutoff` in Hz is that of the common filter, None: chosen; `derivative` how accelerations come from angles. `loads`
+    is what is said of loads of which only the link was given.
     """
 
     model: Model
@@ -40,6 +44,7 @@ class Inputs:
     verify: tuple[Recording, ...] = ()
     cutoff: float | None = None
     derivative: str = BUTTERWORTH
+    loads: tuple[Belonging, ...] = ()
 
     @property
     def filter(self) -> dict[str, Any]:
@@ -77,7 +82,22 @@ def load(args: argparse.Namespace) -> Inputs:
     )
     say_findings((*recordings, *verify), args)
     model = pushed_model(model, (*recordings, *verify))
-    return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
+    given = Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
+    links = loaded_links(getattr(args, "payload", []), list(told))
+    return _with_loads(given, links, args.quiet) if links else given
+
+
+def _with_loads(given: Inputs, links: dict[str, str], quiet: bool) -> Inputs:
+    """Return the inputs with what the recordings in files carry, {path: link}, and say what it is."""
+    from exoid.diagnosis.own_numbers.told_loads import with_loads_weighed
+
+    every = (*given.recordings, *given.verify)
+    own = {k: links[item.source.path] for k, item in enumerate(every) if item.source.path in links}
+    with progress("weighing loads", quiet=quiet):
+        fitted, unseen, loads = with_loads_weighed(given.model, given.recordings, given.verify, own, **given.filter)
+    for load in loads:
+        warn(load.sentence)
+    return replace(given, recordings=fitted, verify=unseen, loads=loads)
 
 
 def worn(model: Model, wearer: str | None) -> Model:
@@ -211,18 +231,43 @@ def passive_joints(given: Sequence[str], paths: Sequence[str], joints: Sequence[
 def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Payload]]:
     """Return {path: its payloads} from texts such as run4.csv=2@0.35; UsageError where one names none of these."""
     found: dict[str, list[Payload]] = {}
+    for path, load in _loads(given, paths):
+        if not _is_link(load):
+            found.setdefault(path, []).append(payload_of(load))
+    return found
+
+
+def loaded_links(given: Sequence[str], paths: Sequence[str]) -> dict[str, str]:
+    """Return {path: the link that carries an unknown load} from texts such as run4.csv=shank; UsageError where one
+    names none of the paths, or a file has two such loads.
+    """
+    found: dict[str, str] = {}
+    for path, load in _loads(given, paths):
+        if _is_link(load) and found.setdefault(path, load) != load:
+            what = f"{path} has unknown loads on two links"
+            raise UsageError(what, where="--payload", remedy="give kg and m of all but one: FILE=KG@M")
+    return found
+
+
+def _is_link(load: str) -> bool:
+    return bool(JOINT_NAME.fullmatch(load))
+
+
+def _loads(given: Sequence[str], paths: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Yield (path, load) of texts such as run4.csv=2@0.35; UsageError where one names none of the paths."""
     for text in given:
         name, _, load = text.rpartition("=")
         if not name:
-            remedy = "write for example run4.csv=2@0.35 (kg, m)"
-            raise UsageError(f"{text!r} is not FILE=KG@M", where="--payload", remedy=remedy)
+            raise UsageError(
+                f"{text!r} is not FILE=KG@M", where="--payload",
+                remedy="write for example run4.csv=2@0.35 (kg, m), or run4.csv=shank where only the link is known",
+            )  # fmt: skip
         meant = _called(name, paths)
         if len(meant) != 1:
             what = f"{name} is {'none' if not meant else 'more than one'} of the recordings given"
             remedy = did_you_mean(name, paths) or "name it as it is named among the recordings"
             raise UsageError(what, where="--payload", remedy=remedy)
-        found.setdefault(meant[0], []).append(payload_of(load))
-    return found
+        yield meant[0], load
 
 
 def payload_of(text: str) -> Payload:

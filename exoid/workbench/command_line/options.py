@@ -165,7 +165,7 @@ def add_derivative(parser: argparse.ArgumentParser) -> None:
         "--payload", metavar="FILE=KG@M", action="append", default=[],
         help="the recording FILE was made with a known mass of KG on the shank, M below the knee, for example "
         "run4.csv=2@0.35; on the thigh, M below the hip: run4.csv=thigh:2@0.2; of an arm in space X,Y,Z in the frame "
-        "of a joint: run4.csv=wrist_3:2@0,0,0.1",
+        "of a joint: run4.csv=wrist_3:2@0,0,0.1; of a load nobody weighed only its link: run4.csv=shank",
     )  # fmt: skip
     seldom.add_argument(
         "--wearer", metavar="mass=KG,height=M",

@@ -63,7 +63,7 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
     """Hand over what the command line names; what does not exist is refused here."""
     from exoid.apps.page.given import FIT, VERIFY
     from exoid.apps.page.saved import is_session, reopen
-    from exoid.workbench.command_line.inputs import told_recordings
+    from exoid.workbench.command_line.inputs import loaded_links, told_recordings
     from exoid.workbench.command_line.parser import UsageError
 
     if args.wearer:
@@ -75,6 +75,9 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
     if args.model:
         workspace.use_model(Path(args.model), args.model)
     given, unseen, told = told_recordings(args, workspace.model.joint_names)
+    if links := loaded_links(args.payload, list(told)):
+        remedy = f"`exoid discover` weighs it first; then give --payload {next(iter(links))}=KG@M"
+        raise UsageError("the page takes loads with their mass and place", where="--payload", remedy=remedy)
     for files, role in ((given, FIT), (unseen, VERIFY)):
         for path in files.paths:
             among = path not in files.named
