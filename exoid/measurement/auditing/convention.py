@@ -75,7 +75,7 @@ def check_conventions(
 ) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
-    All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
+    All are looked at together; where no reading fits them all, those alone that leave far more than another one. One in
     which little moves fits many machines: what some say alone must not make the fit of all together worse.
     `weighs` says whether the machine moves under gravity, of one in space under which (3,), in m/s², `forces` what its
     measured forces are, None the usual.
@@ -90,10 +90,9 @@ def check_conventions(
         return (_finding(recordings, better),) if _is_plain(every, better) else ()
     if len(motions) == 1:
         return ()
-    odd, left = motions, {item: _stands([motion]) for item, motion in motions.items()}
-    if is_spatial(recordings[0].joints):  # where asking takes long: those that leave far more than another one
-        odd = {k: motion for k, motion in motions.items() if left[k] >= max(LEAST, TIMES * min(left.values()))}
-    alone = {item: better for item, motion in odd.items() if (better := better_reading([motion])) is not None}
+    left = {item: _stands([motion]) for item, motion in motions.items()}
+    odd = [item for item, share in left.items() if share >= max(LEAST, TIMES * min(left.values()))]
+    alone = {item: better for item in odd if (better := better_reading([motions[item]])) is not None}
     findings = []
     for option in dict.fromkeys(better.reading.option for better in alone.values()):
         some = {item: better for item, better in alone.items() if better.reading.option == option}
