@@ -153,62 +153,8 @@ def test_a_machine_that_goes_from_dwell_to_dwell_is_not_frozen():
     assert severity("frozen", q=np.column_stack([ramp, -0.9 + 0.5 * ramp])) == ""
 
 
-@pytest.mark.parametrize(("seconds", "part", "said"), [(4.0, 1.0, "warning"), (4.0, 0.2, ""), (1.5, 1.0, "")])
-def test_torques_that_go_on_while_no_angle_changes_are_said(seconds, part, said):
-    """The angles are frozen where they turn round, so that neither jumps nor stops in motion."""
-    t = np.arange(1500) / 100.0
-    q = np.column_stack([0.5 + 0.4 * np.cos(np.pi * t), -0.8 + 0.3 * np.cos(np.pi * t)])
-    tau = np.column_stack([20.0 * np.sin(3.0 * t), 8.0 * np.sin(3.7 * t)])
-    held = slice(700, 700 + round(100 * seconds))
-    q[held] = q[700]
-    tau[held] *= part
-    assert severity("frozen", q=q, tau=tau) == said
-
-
-@pytest.mark.parametrize(("size", "said"), [(0.03, ""), (0.012, "warning")])
-def test_torques_too_small_for_any_rig_are_warned_of(size, said):
-    tau = np.column_stack([leg()["tau1"], leg()["tau2"]])
-    assert severity("scale", tau=tau / tau.std(axis=0).max() * size) == said
-
-
 def torques():
     return np.column_stack([leg()["tau1"], leg()["tau2"]])
-
-
-def with_waves(tau, size):
-    """`tau` with waves that no leg explains, `size` times as large as it varies."""
-    return tau + size * tau.std(axis=0) * np.sin(np.outer(leg()["t"], [7.0, 9.0]))
-
-
-@pytest.mark.parametrize(("factor", "said"), [(1.5, ""), (1.7, "warning")])
-def test_a_factor_is_looked_for_where_no_leg_explains_the_torques(factor, said):
-    """A leg whose thigh weighs nothing: its torques fix their ratio as no others do."""
-    t, q1, q2 = (leg()[key] for key in ("t", "q1", "q2"))
-    v1, v2, a1, a2 = np.gradient(q1, t), np.gradient(q2, t), -4.0 * (q1 - 0.6), -9.61 * (q2 + 0.9)
-    reach = 0.36 * np.cos(q2)
-    shank = 0.432 * (a1 + a2) + 11.8 * np.sin(q1 + q2)
-    tau1 = shank + 0.36 * a1 + reach * (2 * a1 + a2) - 0.36 * np.sin(q2) * (2 * v1 * v2 + v2**2) + 11.8 * np.sin(q1)
-    tau2 = shank + reach * a1 + 0.36 * np.sin(q2) * v1**2
-    assert severity("scale", tau=np.column_stack([tau1, factor * tau2])) == said
-
-
-@pytest.mark.parametrize(
-    ("factor", "waves", "said"), [(6.0, 0.2, ""), (15.0, 0.2, "warning"), (40.0, 0.3, "warning"), (40.0, 0.4, "")]
-)
-def test_a_factor_is_named_where_it_fits_well_and_far_better(factor, waves, said):
-    assert severity("scale", tau=with_waves(torques() * [1.0, factor], waves)) == said
-
-
-@pytest.mark.parametrize(("factor", "said"), [(4.0, ""), (6.0, "warning"), (60.0, "warning")])
-def test_a_knee_torque_that_only_the_hip_misses_is_called_too_small_by_a_plain_factor(factor, said):
-    assert severity("scale", tau=torques() / [1.0, factor]) == said
-
-
-@pytest.mark.parametrize(("weight", "said"), [(30.0, "warning"), (60.0, "")])
-def test_a_plain_factor_shows_at_the_hip_unless_its_thigh_outweighs_all(weight, said):
-    tau = torques() / [1.0, 30.0] + np.column_stack([weight * np.sin(leg()["q1"]), np.zeros(1500)])
-    tau[:, 1] += 0.2 * tau[:, 1].std() * np.sin(9.0 * leg()["t"])
-    assert severity("scale", tau=tau) == said
 
 
 @pytest.mark.parametrize(("size", "said"), [(3e-8, "no"), (3e-10, "yes"), (1e-149, "yes"), (5e-324, "yes")])
@@ -224,16 +170,6 @@ def test_torques_that_are_rounding_carry_nothing(size, said):
 def test_a_torque_that_reads_next_to_nothing_is_noted(share, said):
     low, high = np.percentile(torques(), [10, 90], axis=0)
     assert severity("motion", tau=torques() / (high - low) * [1.0, share]) == said
-
-
-@pytest.mark.parametrize(
-    ("late", "noise", "said"), [(0.01, 0.0, "info"), (0.01, 0.1, ""), (0.1, 0.7, "info"), (0.1, 0.9, "")]
-)
-def test_a_delay_is_noted_where_it_explains_something_and_the_leg_fits(late, noise, said):
-    t, tau = leg()["t"], torques()
-    tau = np.column_stack([np.interp(t - late, t, one) for one in tau.T])
-    noisy = tau + noise * tau.std(axis=0) * np.random.default_rng(3).standard_normal(tau.shape)
-    assert severity("delay", tau=noisy) == said
 
 
 @pytest.mark.parametrize(("rows", "said"), [(45, ""), (67, "warning")])

@@ -6,6 +6,7 @@ import pytest
 
 from exoid.ground.errors import RecordingError
 from exoid.measurement.auditing.audit import audit
+from exoid.measurement.auditing.convention import check_conventions
 from exoid.measurement.auditing.degrees import read_degrees
 from exoid.measurement.auditing.unusable import mask_unusable, without_rounding
 from exoid.measurement.bench.leg import random_leg
@@ -36,7 +37,7 @@ def read(columns):
     assigned, source = assign(table, StatedMapping(), where="f"), Source("f", "")
     draft = read_degrees(on_one_clock(table, assigned, source, "f"), assigned)
     recording = mask_unusable(without_rounding(as_recording(draft, source, "f")))
-    return recording.with_findings(audit(recording))
+    return recording.with_findings((*audit(recording), *check_conventions([recording])))
 
 
 def put(**changes):
@@ -96,14 +97,14 @@ FAULTS = {
     "degrees": (put(q1=np.degrees, q2=np.degrees), "units", "degrees"),
     "one angle in degrees": (put(q2=np.degrees), "units", "knee angle"),
     "mN·m": (put(tau2=lambda x: 1e3 * x), "units", "mN·m"),
-    "hip angle turned": (put(q1=np.negative), "sign", "the hip angle has the wrong sign"),
-    "knee angle turned": (put(q2=np.negative), "sign", "the knee angle has the wrong sign"),
-    "hip torque turned": (put(tau1=np.negative), "sign", "the hip torque has the wrong sign"),
-    "knee torque turned": (put(tau2=np.negative), "sign", "the knee torque has the wrong sign"),
-    "both torques turned": (put(tau1=np.negative, tau2=np.negative), "sign", "both torques"),
-    "angles swapped": (exchanged(("q1", "q2")), "sign", "hip and knee angle are swapped"),
-    "torques swapped": (exchanged(("tau1", "tau2")), "sign", "hip and knee torque are swapped"),
-    "joints swapped": (exchanged(("q1", "q2"), ("tau1", "tau2")), "sign", "hip and knee are swapped"),
+    "hip angle turned": (put(q1=np.negative), "convention", "the hip angle has the wrong sign"),
+    "knee angle turned": (put(q2=np.negative), "convention", "the knee angle has the wrong sign"),
+    "hip torque turned": (put(tau1=np.negative), "convention", "the hip torque has the wrong sign"),
+    "knee torque turned": (put(tau2=np.negative), "convention", "the knee torque has the wrong sign"),
+    "both torques turned": (put(tau1=np.negative, tau2=np.negative), "convention", "both torques"),
+    "angles swapped": (exchanged(("q1", "q2")), "convention", "hip and knee angle are swapped"),
+    "torques swapped": (exchanged(("tau1", "tau2")), "convention", "hip and knee torque are swapped"),
+    "joints swapped": (exchanged(("q1", "q2"), ("tau1", "tau2")), "convention", "hip and knee are swapped"),
     "torque saturated": (put(tau1=lambda x: np.minimum(x, np.quantile(x, 0.95))), "saturated", "hip torque"),
     "torque hardly saturated": (put(tau2=lambda x: np.minimum(x, np.quantile(x, 0.98))), "saturated", "knee torque"),
     "angle saturated": (put(q2=lambda x: np.maximum(x, np.quantile(x, 0.05))), "saturated", "knee angle"),
@@ -122,9 +123,6 @@ FAULTS = {
     "hip stands still": (put(q1=lambda x: noise(6e-5)(0 * x)), "motion", "hip stands still"),
     "torque missing": (put(tau2=lambda x: 0 * x), "motion", "knee torque is 0 N·m"),
     "outliers": (put(tau2=noise(60.0, 0.15)), "outliers", "knee torque"),
-    "torque late": (put(tau1=lambda x: np.roll(x, 3), tau2=lambda x: np.roll(x, 3)), "delay", "30 ms earlier"),
-    "torque very late": (put(tau1=lambda x: np.roll(x, 7), tau2=lambda x: np.roll(x, 7)), "delay", "70 ms earlier"),
-    "torque early": (put(tau1=lambda x: np.roll(x, -3), tau2=lambda x: np.roll(x, -3)), "delay", "30 ms later"),
     "too short": (rows(slice(0, 300)), "length", "lasts only"),
 }
 

@@ -151,7 +151,7 @@ def test_encoders_are_offered_one_resolution_and_a_wrong_one_is_named_as_steps_a
     assert error.value.remedy.startswith("--units q1=deg/11.3778,q2=deg/11.3778 with")
     units = {"q1": "deg/11.3778", "q2": "deg/11.3778"}
     (doubt,) = compare(Model.standard(), [read_recording(one, units=units) for one in made]).misread
-    assert "motor-angle" in doubt.remedy and "q1 about 12288 instead of 4096" in doubt.remedy
+    assert "hip-motor-angle=3" in doubt.remedy and "other steps a turn" in doubt.what
 
 
 def test_counts_are_asked_together_with_the_columns_that_are_missing():

@@ -16,15 +16,13 @@ from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.readings import readings_of
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import least_of
-from exoid.measurement.auditing.convention import CHECKS
 from exoid.optimisation.fitting.identify import identify
 
 
 def as_given(base: FittedModel) -> FittedModel:
     """Return a model on recordings that are taken as they were given, whatever reading of them fits better."""
     prepared = base.prepared
-    doubted = {*CHECKS, *(item.check for item in prepared.misread)}
-    rest = tuple(finding for finding in prepared.findings if finding.check not in doubted)
+    rest = tuple(finding for finding in prepared.findings if finding not in prepared.misread)
     return replace(base, prepared=replace(prepared, findings=rest, misread=()))
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from exoid.measurement.auditing.checks.units import CHECK as UNITS
 from exoid.measurement.auditing.checks.units import EACH, ROUND, TURNS
-from exoid.measurement.auditing.checks.velocity import WRONG
 from exoid.measurement.auditing.convention import better_reading
+from exoid.measurement.auditing.power_left import motions_of
 from exoid.measurement.reading.angles import sampled
 from exoid.measurement.reading.columns import Assigned
 from exoid.measurement.reading.draft import Draft
@@ -37,7 +37,7 @@ def read_degrees(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
         return draft
     known = [name for name, unit in base_columns(draft.joints).items() if unit == "rad" and name in draft.columns]
     base = [name for name in known if _reach(draft, name) > EACH]
-    rates = _rates(draft)
+    rates = [name for name in draft.columns if name in {f"{d}{angle}" for d in ("d", "dd") for angle in angles}]
     converted = [name for name in (*angles, *base, *rates) if name not in draft.told]
     columns = {n: v * DEGREE if n in converted else v for n, v in draft.columns.items()}
     largest = max(angles, key=lambda name: reach[name])
@@ -70,7 +70,7 @@ def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str,
     values = np.column_stack([draft.columns[name] for name in columns])
     good = np.all([draft.good(name) for name in columns], axis=0)
     q, tau = values[:, :count], values[:, count:]
-    found = better_reading([Recording(draft.file, draft.columns["t"], q, tau, good, joints=draft.joints)])
+    found = better_reading(motions_of([Recording(draft.file, draft.columns["t"], q, tau, good, joints=draft.joints)]))
     return found is None or not any("-motor" in name.name for name in found.reading.names)
 
 
@@ -78,18 +78,3 @@ def _reach(draft: Draft, name: str) -> float:
     """Return the largest distance of a column from zero, but for its largest fiftieth."""
     some = sampled(draft.columns[name][draft.good(name)])
     return float(np.percentile(np.abs(some), 98)) if some.size else 0.0
-
-
-def _rates(draft: Draft) -> list[str]:
-    """Return the velocities and accelerations that are in degrees as their angles are, as the change of these says."""
-    t, found = draft.columns["t"], []
-    for k in range(len(draft.joints)):
-        speed = draft.columns.get(f"dq{k + 1}")
-        if speed is None:
-            return []
-        # By the logged speed, which is the cleaner of the two: noise of what is divided by would make the ratio small.
-        ratio = float(np.gradient(draft.columns[f"q{k + 1}"], t) @ speed) / (float(speed @ speed) or 1.0)
-        if abs(ratio - 1.0) > WRONG:
-            return []
-        found += [name for name in (f"dq{k + 1}", f"ddq{k + 1}") if name in draft.columns]
-    return found

@@ -53,6 +53,11 @@ class ConventionHypothesis:
         return " and ".join(name.what for name in self.names) or "angles and torques need no --convention"
 
     @property
+    def option(self) -> str:
+        """The reading as `--convention` takes it."""
+        return ",".join(name.name for name in self.names)
+
+    @property
     def cost(self) -> float:
         """Number of changes that it needs; among equals the usual ones cost a little less."""
         return round(len(self.names) + sum(name.unusual for name in self.names), 6)
@@ -106,10 +111,10 @@ def stages(
         yield lambda best: _of_two_drives(joints, still)
 
 
-def turning_joints(sets: Sequence[Sequence[Smooth]]) -> list[int]:
+def turning_joints(motions: Sequence[Smooth]) -> list[int]:
     """Return the joints that move so far that their angles may be those of motors."""
-    reach = np.max([np.ptp(motion.q, axis=0) for group in sets for motion in group], axis=0)
-    return [k for k, joint in enumerate(sets[0][0].joints) if joint.turns and reach[k] > TURNING]
+    reach = np.max([np.ptp(motion.q, axis=0) for motion in motions], axis=0)
+    return [k for k, joint in enumerate(motions[0].joints) if joint.turns and reach[k] > TURNING]
 
 
 def _groups_of_names(joints: tuple[Joint, ...]) -> list[list[str]]:

@@ -15,7 +15,7 @@ import numpy as np
 from exoid.ground.text import digits
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.channels import place_of_all
-from exoid.measurement.auditing.power_left import smoothed_groups
+from exoid.measurement.auditing.power_left import motions_of
 from exoid.measurement.auditing.rough import TURNS, Smooth
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading.conventions import MOTORS
@@ -43,7 +43,7 @@ def check_masses(recordings: Sequence[Recording], joints: tuple[Joint, ...], gra
     if said or moved or not is_spatial(joints) or not _possible(joints):
         return ()
     pull = pull_of(gravity)
-    motions = [motion for group in smoothed_groups(recordings, pull) for motion in group]
+    motions = motions_of(recordings, pull)
     if not motions:
         return ()
     count = math.ceil(PARTS / len(motions))

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.ground.thresholds import Threshold
-from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
-from exoid.measurement.auditing.non_negative import non_negative
+from exoid.measurement.auditing.hypotheses import ConventionHypothesis
 from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
 from exoid.measurement.recording import Recording
@@ -45,54 +44,40 @@ WINDOW = 0.12
 """s, of a window of the part of the time that is explained best: a swing has several."""
 
 
-def smoothed_groups(
+def motions_of(
     recordings: Sequence[Recording], weighs: float | Vector = True, forces: tuple[Force, ...] | None = None
-) -> list[list[Smooth]]:
-    """Return the smoothed recordings that move and carry torque, those with the same known masses and drives together;
-    `forces` say what they have measured of those, None the usual.
+) -> list[Smooth]:
+    """Return the smoothed recordings that move and carry torque; `forces` say what they have measured, None the
+    usual.
     """
+    found = (smooth(recording) for recording in recordings)
+    return [replace(motion, weighs=weighs, meant=forces) for motion in found if motion is not None]
+
+
+def _grouped(motions: Sequence[Smooth]) -> list[list[Smooth]]:
+    """Return motions with the same known masses and drives together: each group has numbers of its own."""
     groups: dict[object, list[Smooth]] = {}
-    for recording in recordings:
-        if (motion := smooth(recording)) is not None:
-            of = recording.payloads, motion.elsewhere
-            groups.setdefault(of, []).append(replace(motion, weighs=weighs, meant=forces))
+    for motion in motions:
+        groups.setdefault((motion.payloads, motion.elsewhere), []).append(motion)
     return list(groups.values())
 
 
-def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis], most: float = np.inf) -> Float:
-    """Return for each reading the share of the torques' power, summed over the joints, that the machine leaves.
-
-    Of readings that leave more than `most` a lower bound may be returned instead: that of free least squares.
-    """
-    rows, out = _rows(sets), np.zeros(len(kinds))
+def power_left(motions: Sequence[Smooth], kinds: Sequence[ConventionHypothesis]) -> Float:
+    """Return for each reading the share of the torques' power, summed over the joints, that the machine leaves."""
+    rows, out = _rows(motions), np.zeros(len(kinds))
     alike: dict[bytes, list[int]] = {}
     for k, kind in enumerate(kinds):
         alike.setdefault(np.array([*kind.map.angle.flat, *kind.map.zero, kind.sums]).tobytes(), []).append(k)
     for places in alike.values():
         sums = [_sums(*part, kinds[places[0]]) for part in rows]
-        out[places] = shares_left(sums, np.stack([kinds[k].map.torque for k in places]), most)
+        out[places] = shares_left(sums, np.stack([kinds[k].map.torque for k in places]))
     return out
 
 
-def sums_as_they_stand(sets: Sequence[Sequence[Smooth]], delays: Sequence[float] = (0.0,)) -> list[Sums]:
-    """Return the sums of every set, read as it stands, of torques that are late by each of `delays` in s, without
-    stops: what is left of a machine that fits decides, and these explain some of it.
-    """
-    return [_sums(*part, hypothesis((), part[0].joints), stops=False) for part in _rows(sets, delays)]
-
-
-def left_if_late(sets: Sequence[Sequence[Smooth]], delays: Sequence[float], most: float = np.inf) -> Float:
-    """Return the share left (D,) of torques that are late by each of `delays` (D,) in s, otherwise read as they stand;
-    beyond `most` it may be a lower bound.
-    """
-    return shares_left(sums_as_they_stand(sets, delays), np.eye(len(sets[0][0].joints))[None], most)
-
-
-def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
+def quiet_torques(motions: Sequence[Smooth]) -> NDArray[np.bool_]:
     """Mask (J,) of the torques that vary by next to nothing beside their neighbours': they say not whose they are."""
-    joints = sets[0][0].joints
-    power = np.sum([m.tau[m.keep].var(axis=0) for group in sets for m in group], axis=0)
-    return np.asarray(power < QUIET**2 * np.where(_near(joints), power, 0.0).max(axis=1))
+    power = np.sum([m.tau[m.keep].var(axis=0) for m in motions], axis=0)
+    return np.asarray(power < QUIET**2 * np.where(_near(motions[0].joints), power, 0.0).max(axis=1))
 
 
 def _near(joints: Sequence[Joint]) -> NDArray[np.bool_]:
@@ -104,23 +89,19 @@ def _near(joints: Sequence[Joint]) -> NDArray[np.bool_]:
     return near
 
 
-def _rows(sets: Sequence[Sequence[Smooth]], delays: Sequence[float] = (0.0,)) -> list[tuple[Smooth, Float, Float]]:
-    """A few samples of each set's recordings, joined: their motion, the share (K, N) of each in the mean of torque k,
-    zero where its joint stands or nothing was measured, and the torques (K, D, N) around that, read with each of D
-    delays.
+def _rows(motions: Sequence[Smooth]) -> list[tuple[Smooth, Float, Float]]:
+    """A few samples of each group of motions, joined: their motion, the share (K, N) of each in the mean of torque k,
+    zero where its joint stands or nothing was measured, and the torques (K, N) around that.
     """
-    thin = max(1, sum(len(range(len(m.q))[m.keep]) for group in sets for m in group) // ROWS)
-    return [_rows_of(group, thin, delays) for group in sets]
+    thin = max(1, sum(len(range(len(m.q))[m.keep]) for m in motions) // ROWS)
+    return [_rows_of(group, thin) for group in _grouped(motions)]
 
 
-def _rows_of(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> tuple[Smooth, Float, Float]:
+def _rows_of(group: Sequence[Smooth], thin: int) -> tuple[Smooth, Float, Float]:
     joints = group[0].joints
-    reach, kept, seen, tau = np.array([joint.reach for joint in joints]), [], [], []
+    reach, kept, seen = np.array([joint.reach for joint in joints]), [], []
     for motion in group:
         keep = np.arange(len(motion.q))[motion.keep][::thin]
-        late = np.array(delays)[:, None] / motion.step
-        before, after = (motion.tau.T[:, keep + step.astype(int)] for step in (np.floor(late), np.ceil(late)))
-        tau.append(before + (late - np.floor(late)) * (after - before))
         counts = motion.measured[keep, None] & (motion.q[keep].std(axis=0) > STANDS * reach)
         # Small numbers of the links choose the reading in space, and what sticks would drown them.
         seen.append(counts & (np.abs(motion.dq[keep]) > SLOW * reach) if is_spatial(joints) else counts)
@@ -131,13 +112,12 @@ def _rows_of(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> tup
         pairs = [(value, keep) for value, keep in zip(values, kept, strict=True) if value is not None]
         return np.concatenate([value[keep] for value, keep in pairs]) if len(pairs) == len(kept) else None
 
-    parts = {name: chosen([getattr(motion, name) for motion in group]) for name in ("q", "dq", "ddq", "base")}
+    parts = {name: chosen([getattr(motion, name) for motion in group]) for name in ("q", "dq", "ddq", "tau", "base")}
     forces = {name: chosen([motion.forces.get(name) for motion in group]) for name in group[0].forces}
     shared = {name: force for name, force in forces.items() if force is not None}
-    known, torques = np.concatenate(seen).T, np.concatenate(tau, axis=2)
+    known, torques = np.concatenate(seen).T, np.asarray(parts["tau"].T)
     share = known / np.maximum(known.sum(axis=1, keepdims=True), 1)
-    torques -= torques @ share[:, :, None]  # constant offsets are nobody's sign
-    torques *= known[:, None]
+    torques = (torques - np.sum(torques * share, axis=1, keepdims=True)) * known  # constant offsets are nobody's sign
     return replace(group[0], **parts, forces=shared), share, torques
 
 
@@ -145,8 +125,8 @@ def _rows_of(group: Sequence[Smooth], thin: int, delays: Sequence[float]) -> tup
 class Sums:
     """Sums over the samples of recordings in which the joint of torque k moves, all around their means: `gram`
     (K, J, J, P, P) of two joints' columns, or (K, J, P, P) of one's in space, where no reading mixes torques, `slope`
-    (K, D, J, P) of torque k with joint j's columns and `power` (K, D) of the torques, for each of D delays. `near`
-    (K, K) says which joints are neighbours. The first `either` columns may have negative numbers.
+    (K, J, P) of torque k with joint j's columns and `power` (K,) of the torques. `near` (K, K) says which joints are
+    neighbours. The first `either` columns may have negative numbers.
     """
 
     gram: Float
@@ -156,10 +136,9 @@ class Sums:
     either: int = 0
 
 
-def _sums(motion: Smooth, shares: Float, tau: Float, kind: ConventionHypothesis, stops: bool = True) -> Sums:
-    read = _read_so(motion, kind)
-    y = machine_columns(read)
-    y = np.concatenate([y, _stops(read.q)], axis=2) if stops else y
+def _sums(motion: Smooth, shares: Float, tau: Float, kind: ConventionHypothesis) -> Sums:
+    read = read_so(motion, kind)
+    y: Float = np.concatenate([machine_columns(read), _stops(read.q)], axis=2)
     joints, count, size = y.shape
     flat = y.transpose(1, 0, 2).reshape(count, -1)
 
@@ -173,15 +152,17 @@ def _sums(motion: Smooth, shares: Float, tau: Float, kind: ConventionHypothesis,
 
     several, which = np.unique(shares, axis=0, return_inverse=True)  # most often all joints move
     grams = np.array([gram(share) for share in several])[which.ravel()]
-    slope = (tau @ flat).reshape(*tau.shape[:2], joints, size)
-    return Sums(grams, slope, np.sum(tau**2, axis=2), _near(read.joints), either_sign(read))
+    slope = (tau @ flat).reshape(joints, joints, size)
+    return Sums(grams, slope, np.sum(tau**2, axis=1), _near(read.joints), either_sign(read))
 
 
-def _read_so(motion: Smooth, reading: ConventionHypothesis) -> Smooth:
-    """The `motion` with its angles read in another way; drives whose torques are summed may stand elsewhere."""
-    turn, elsewhere = reading.map.angle.T, reading.sums or motion.elsewhere
-    q, dq, ddq = motion.q @ turn + reading.map.zero, motion.dq @ turn, motion.ddq @ turn
-    return replace(motion, q=q, dq=dq, ddq=ddq, elsewhere=elsewhere)
+def read_so(motion: Smooth, reading: ConventionHypothesis) -> Smooth:
+    """The `motion` with its channels read in another way."""
+    turn = reading.map.angle.T
+    q, tau = reading.map.applied(motion.q, motion.tau)
+    return replace(
+        motion, q=q, tau=tau, dq=motion.dq @ turn, ddq=motion.ddq @ turn, kept=(*motion.kept, *reading.names)
+    )
 
 
 def _stops(q: Float) -> Float:
@@ -194,6 +175,29 @@ def _stops(q: Float) -> Float:
     return out
 
 
+def _roots(gram: Float, slope: Float) -> tuple[Float, Float, Float]:
+    """Return upper triangular roots (M, P, P), sides (M, P) and sizes (M, P) of columns: of numbers x over these sizes
+    |root x - side|² is x·gram·x - 2 x·slope but for a constant.
+    """
+    square = np.diagonal(gram, axis1=1, axis2=2)
+    # Columns that cancel, or of a joint that stands, are zero but for rounding: they are left out.
+    size = np.sqrt(np.where(square > ROUNDING * square.max(axis=1, keepdims=True), square, np.inf))
+    lower = _factor(gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1]))
+    side = np.asarray(np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0], dtype=float)
+    return lower.swapaxes(1, 2), side, size
+
+
+def non_negative(root: Float, side: Float, either: int) -> tuple[Float, float]:
+    """Return x (P,) that minimises |root x - side| for an upper triangular root (P, P), none but the first `either` of
+    them negative, and that distance.
+    """
+    from scipy.optimize import nnls
+
+    rest, left = nnls(root[either:, either:], side[either:], maxiter=100 * len(side))
+    free = np.linalg.solve(root[:either, :either], side[:either] - root[:either, either:] @ rest)
+    return np.concatenate([free, rest]), float(left)
+
+
 def _factor(scaled: Float) -> Float:
     """Return the Cholesky factors of Gram matrices (M, P, P), which rounding may have left slightly indefinite."""
     try:
@@ -204,52 +208,43 @@ def _factor(scaled: Float) -> Float:
         return np.asarray(np.linalg.cholesky(lifted), dtype=float)
 
 
-def shares_left(groups: Sequence[Sums], torques: Float, most: float = np.inf) -> Float:
-    """Return for each torque map (M, J, J), or of a single one for each delay, the share of the power left, each group
-    fitted on its own; beyond `most` it may be a lower bound. What is left counts in the torques as they were recorded,
-    so that no reading gains by mixing them.
+def shares_left(groups: Sequence[Sums], torques: Float) -> Float:
+    """Return for each torque map (M, J, J) the share of the power left, each group fitted on its own. What is left
+    counts in the torques as they were recorded, so that no reading gains by mixing them.
     """
-    power = np.sum([s.power.T for s in groups], axis=0)
-    largest = np.where(groups[0].near, power[:, None], 0.0).max(axis=2)
+    power = np.sum([s.power for s in groups], axis=0)
+    largest = np.where(groups[0].near, power, 0.0).max(axis=1)
     least = np.where(power < PASSIVE**2 * largest, 1.0, QUIET**2) * largest
     weight = 1.0 / np.maximum(np.maximum(power, least), 1e-24)
     back = np.linalg.inv(torques)
-    weighted = weight[:, :, None] * back
+    weighted = weight[:, None] * back
     squares = weighted[:, :, :, None] * back[:, :, None]
     alone = np.diagonal(squares, axis1=2, axis2=3)
-    ready, bound = [], np.zeros(len(weighted))
+    left = np.zeros(len(weighted))
     for s in groups:
         gram = np.tensordot(squares, s.gram, 3) if s.gram.ndim == 5 else np.tensordot(alone, s.gram, 2)
-        slope = np.sum(weighted[:, :, :, None] * s.slope.swapaxes(0, 1), axis=(1, 2))
-        square = np.diagonal(gram, axis1=1, axis2=2)
-        # Columns that cancel, or of a joint that stands, are zero but for rounding: they are left out.
-        size = np.sqrt(np.where(square > ROUNDING * square.max(axis=1, keepdims=True), square, np.inf))
-        scaled = gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1])
-        lower = _factor(scaled)
-        side = np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0]
-        total = np.sum(weight * s.power.T, axis=1)
-        ready.append((scaled, slope / size, lower, side, s.either))
-        bound += np.maximum(total - np.sum(side**2, axis=1), 0.0)
-    for m in np.flatnonzero(bound <= most):
-        # |lowerᵀx - side|² falls short of the loss by what no x explains.
-        for gram, slope, lower, side, either in ready:
-            short = lower[m].T @ non_negative(gram[m], slope[m], either=either) - side[m]
-            bound[m] += float(short @ short)
-    return bound
+        slope = np.sum(weighted[:, :, :, None] * s.slope, axis=(1, 2))
+        roots, sides, _ = _roots(gram, slope)
+        # |root x - side|² falls short of the loss by what no x explains.
+        left += np.maximum(weight @ s.power - np.sum(sides**2, axis=1), 0.0)
+        left += [non_negative(*pair, s.either)[1] ** 2 for pair in zip(roots, sides, strict=True)]
+    return left
 
 
-def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis) -> float:
+def left_in_part(motions: Sequence[Smooth], reading: ConventionHypothesis) -> float:
     """Return the share of the torques' power that a rough machine leaves in the part of the time that it explains best
     if the channels are read so; NaN where there are too few windows.
     """
-    scale = np.sqrt(np.mean([m.tau.var(axis=0) for group in sets for m in group], axis=0))
+    scale = np.sqrt(np.mean([m.tau.var(axis=0) for m in motions], axis=0))
     left, count = 0.0, 0
 
     def solve(grams: Float, slopes: Float) -> Float:
-        pairs = zip(grams, slopes, strict=True)
-        return np.array([non_negative(*pair, either=len(scale)) for pair in pairs])  # offsets of either sign
+        roots, sides, sizes = _roots(grams, slopes)
+        pairs = zip(roots, sides, strict=True)
+        found = [non_negative(*pair, len(scale))[0] for pair in pairs]  # offsets of either sign
+        return np.array(found) / sizes
 
-    for group in sets:
+    for group in _grouped(motions):
         windows = joined([_windows(motion, reading, scale) for motion in group])
         if (best := trimmed(windows, solve)) is not None:
             left += float(windows.losses(best[0][None])[0, best[1]].sum())
@@ -261,7 +256,7 @@ def _windows(motion: Smooth, reading: ConventionHypothesis, scale: Float) -> Win
     """Return the windows of a motion read in another way, in its own torques: no reading gains by mixing them."""
     rows, back = slice(motion.keep.start, motion.keep.stop), np.linalg.inv(reading.map.torque)
     offsets = np.repeat(np.eye(len(back))[:, None], len(motion.q), axis=1)
-    columns = np.concatenate([offsets, machine_columns(_read_so(motion, reading))], axis=2)[:, rows]
+    columns = np.concatenate([offsets, machine_columns(read_so(motion, reading))], axis=2)[:, rows]
     columns = np.tensordot(back, columns, 1) / np.maximum(scale, 1e-12)[:, None, None]
     tau = ((motion.tau - motion.tau.mean(axis=0))[rows] / np.maximum(scale, 1e-12)).T
     seen = np.broadcast_to(motion.measured[rows], tau.shape)

@@ -11,14 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid.measurement.forces import usual_forces
 from exoid.measurement.reading.angles import running_median
-from exoid.measurement.reading.conventions import conventions
+from exoid.measurement.reading.conventions import Convention, conventions
+from exoid.measurement.reading.registers import COUNTED
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.butterworth import both_ways, low_pass_filter
 from exoid.measurement.signals.masks import widen
@@ -26,6 +26,7 @@ from exoid.symbolic.force import Force
 from exoid.symbolic.joints import LEG, Joint, Vector, ancestors, is_leg, is_spatial, parents
 from exoid.symbolic.mechanics.base_parameters import base_parameters, pull_of
 from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
+from exoid.symbolic.mechanics.payload import Payload
 from exoid.symbolic.mechanics.pushed import pushed_torques
 from exoid.symbolic.mechanics.spatial import link_columns
 from exoid.symbolic.model_structure import STANDARD_GRAVITY
@@ -46,7 +47,8 @@ class Smooth:
     which those that were `measured` (K,) were not filled in. `base` (K, 5) is the angle of a measured base, its two
     derivatives, its acceleration forwards and upwards. `weighs` says whether the machine moves under gravity, of one in
     space under which (3,) in m/s². `forces` are {column: (K,)} of measured ones, `meant` what they are, None for the
-    usual. Drives that may stand `elsewhere` than at their joints rub there.
+    usual, `payloads` known loads, `kept` the conventions in which the file was read, `counted`
+    the joints whose angles are counts of an encoder: any other has its zero where somebody put it.
     """
 
     q: Float
@@ -61,23 +63,20 @@ class Smooth:
     weighs: float | Vector = True
     forces: Mapping[str, Float] = field(default_factory=dict)
     meant: tuple[Force, ...] | None = None
-    elsewhere: bool = False
+    payloads: tuple[Payload, ...] = ()
+    kept: tuple[Convention, ...] = ()
+    counted: frozenset[int] = frozenset()
 
-
-_SMOOTH: WeakKeyDictionary[Recording, Smooth | None] = WeakKeyDictionary()
-"""Of recordings that are still in use: several checks ask for the same one."""
+    @property
+    def elsewhere(self) -> bool:
+        """True if drives may stand elsewhere than at their joints, and rub there."""
+        return any(item.sums for item in self.kept)
 
 
 def smooth(recording: Recording) -> Smooth | None:
     """The recording (at most its first two minutes) filtered forwards and backwards; None when too short, or where no
     joint moves or no torque changes.
     """
-    if recording not in _SMOOTH:
-        _SMOOTH[recording] = _smoothed(recording)
-    return _SMOOTH[recording]
-
-
-def _smoothed(recording: Recording) -> Smooth | None:
     if not len(recording):
         return None
     near = recording.t <= recording.t[0] + MOST_SECONDS
@@ -109,11 +108,13 @@ def _smoothed(recording: Recording) -> Smooth | None:
     after = np.clip(np.searchsorted(seen, even, side="right"), 1, seen.size - 1)
     hole = (seen[after] - seen[after - 1] > HOLE / recording.rate) | (even > seen[-1]) | (even < seen[0])
     measured = np.asarray(~widen(hole, round(0.5 / CUTOFF / (even[1] - even[0]))))  # half a period away from holes
+    noted = {finding.check for finding in recording.findings if not recording.conventions}
     signals = {name: filtered(force[:, None], recording.valid)[:, 0] for name, force in recording.forces.items()}
     return Smooth(
         q, np.asarray(dq), np.asarray(np.gradient(dq, step, axis=0)), tau, step, slice(edge, -edge, thin), measured,
-        base, recording.joints, forces=signals,
-        elsewhere=any(entry.sums for entry in conventions(recording.conventions, recording.joints)),
+        base, recording.joints, forces=signals, payloads=recording.payloads,
+        kept=conventions(recording.conventions, recording.joints),
+        counted=frozenset(k for k in range(q.shape[1]) if COUNTED.format(f"q{k + 1}") in noted),
     )  # fmt: skip
 
 

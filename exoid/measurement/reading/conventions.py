@@ -290,6 +290,7 @@ def gear(joint: int, part: str, ratio: float, joints: Sequence[Joint] = LEG) -> 
     force = _rows(joints, {(joint, joint): ratio})
     kind = {"": "angle and torque are", "angle": "angle is", "torque": "torque is"}[part]
     what = f"the {of} {kind} on the motor's side of a gear of about {ratio:.4g}"
+    what += ", or has other steps a turn than --units says" if part == "angle" else ""
     name = f"{of}-motor{part and f'-{part}'}={ratio:.4g}"
     return Convention(name, 1, what, "", None if part == "torque" else turn, None if part == "angle" else force)
 

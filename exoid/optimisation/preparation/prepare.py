@@ -18,9 +18,9 @@ from exoid.ground.errors import NotEnoughDataError, RecordingError
 from exoid.ground.html import bullets, lines, table
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_greatest
-from exoid.measurement.auditing.checks.scale import check_scales
 from exoid.measurement.auditing.convention import check_conventions
 from exoid.measurement.auditing.masses import check_masses
+from exoid.measurement.auditing.scale import check_scales
 from exoid.measurement.finding import EVERY, Finding
 from exoid.measurement.forces import force_signals, unused_forces
 from exoid.measurement.overlap import held_apart
@@ -148,10 +148,7 @@ def prepare(
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for")
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
     meant = model.forces or None
-    misread = check_conventions(recordings, model.pull, meant, others=verify)
-    likely = [finding.option for finding in misread if finding.option]
-    beside, others = ((), recordings) if misread else (recordings, ())
-    misread += check_conventions(verify, model.pull, meant, beside, likely, others)
+    misread = check_conventions((*recordings, *verify), model.pull, meant)
     misread = misread or check_scales(recordings) or check_masses(recordings, model.joints, model.pull)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
@@ -166,7 +163,7 @@ def prepare(
         filter_error=wrong,
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
         findings=(
-            *known, *swayed, *unused, *doubled, *(f for f in misread if f not in known), *outliers,
+            *known, *swayed, *unused, *doubled, *misread, *outliers,
             *smoothed_findings(called, even, model.joints),
         ),
         derivative=derivative,

@@ -15,10 +15,8 @@ if TYPE_CHECKING:
 def say_findings(recordings: Sequence[Recording], args: argparse.Namespace) -> None:
     """Say what the audits of recordings warn of and, in one line, what was repaired, which --quiet leaves out.
 
-    With --verbose each finding of each file. A mapping that was remembered is said every time. In which convention they
-    are is left to the answer, which asks all of them together.
+    With --verbose each finding of each file. A mapping that was remembered is said every time.
     """
-    from exoid.measurement.auditing.convention import CHECKS as CONVENTION
     from exoid.measurement.finding import alike_findings, file_of, more_files
     from exoid.measurement.reading.among import LEFT_OUT
 
@@ -26,7 +24,7 @@ def say_findings(recordings: Sequence[Recording], args: argparse.Namespace) -> N
         finding
         for recording in recordings
         for finding in recording.findings
-        if finding.check not in CONVENTION and (finding.severity != "info" or finding.check in ("mapping", LEFT_OUT))
+        if finding.severity != "info" or finding.check in ("mapping", LEFT_OUT)
     ]
     if getattr(args, "verbose", False):
         for finding in told:

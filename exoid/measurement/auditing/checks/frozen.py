@@ -24,12 +24,6 @@ rest would be called frozen
 """
 EDGE = 0.03
 """s before and after a stretch over which the speed of an angle is taken."""
-LONG: Threshold = 2.0
-"""s in which no angle changes while torques do: dry friction that turns round holds a leg so long"""
-GOES_ON: Threshold = 0.5
-"""spread of every torque there, of that in motion: a leg that is held, and leant on"""
-SMOOTHED = 0.1
-"""s over which torques are averaged for that: noise goes on as well."""
 
 
 def check(recording: Recording) -> list[Finding]:
@@ -41,15 +35,14 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
     """Yield channel, indices of the recording where it is frozen, the finding on it, and whether it is certain."""
     remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"
     consequence, machine = "the rows pull every parameter of this joint", machine_word(recording.joints)
-    driven = _still_while_driven(recording)
     for channel in channels(recording, "q", "tau", FORCE):
         torque = not channel.name.startswith("q")
-        sure, likely = [driven[:0]], [driven[:0] if torque else driven]
+        parts: dict[bool, list[NDArray[np.int64]]] = {True: [], False: []}
         for first, last, certain in (_frozen_torque if torque else _frozen_angle)(channel, recording):
-            (sure if certain else likely).append(np.arange(channel.at[first], channel.at[last] + 1))
-        known = np.concatenate(sure)
-        for rows, certain in ((known, True), (np.setdiff1d(np.concatenate(likely), known), False)):
-            if rows.size:
+            parts[certain].append(np.arange(channel.at[first], channel.at[last] + 1))
+        for certain, some in parts.items():
+            if some:
+                rows = np.concatenate(some)
                 what = f"the {channel.label} is frozen in {rows.size} rows while the {machine} moves"
                 where, share = place(recording, channel.name, rows), rows.size / len(recording)
                 found = Finding("frozen", "warning", what, where, share, 0.0, remedy, consequence, "likely")
@@ -108,23 +101,3 @@ def _frozen_angle(channel: Channel, recording: Recording) -> Iterator[tuple[int,
         starts = last + width < values.size and abs(values[last + width] - values[last]) > most
         if (jumps := _jumps(step, last)) or stops or starts:
             yield first, last, bool(jumps or (stops and starts))
-
-
-def _still_while_driven(recording: Recording) -> NDArray[np.int64]:
-    """Return the indices of the recording where for long no angle changes and every torque goes on as in motion."""
-    at, count = np.flatnonzero(recording.valid), max(1, round(SMOOTHED * recording.rate))
-    t = recording.t[at]
-    first, last = runs(np.all(np.diff(recording.q[at], axis=0) == 0.0, axis=1))
-    long = [(a, b + 1) for a, b in zip(first, last, strict=True) if t[b + 1] - t[a] >= LONG]
-    means = recording.tau[at[: len(at) // count * count]].reshape(-1, count, recording.tau.shape[1]).mean(axis=1)
-    held, rows = np.zeros(len(means), dtype=bool), [slice(-(-a // count), b // count) for a, b in long]
-    for part in rows:
-        held[part] = True
-    if held.all() or not held.any():
-        return at[:0]
-    least = GOES_ON * means[~held].std(axis=0)
-    stretches = zip(long, (means[part] for part in rows), strict=True)
-    driven = [
-        np.arange(at[a], at[b] + 1) for (a, b), part in stretches if part.size and np.all(part.std(axis=0) > least)
-    ]
-    return np.concatenate([at[:0], *driven])
