@@ -17,6 +17,7 @@ from exoid.symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from exoid.symbolic.language.operators import MEMORY
 from exoid.symbolic.language.words import MODEL_TORQUE, read_text
 from exoid.symbolic.language.writing import to_text
+from exoid.symbolic.model import Model
 from exoid.symbolic.term import Term
 
 TEXTS = [(effect, text) for effect in catalogue().values() for text in texts(effect)]
@@ -260,3 +261,10 @@ def test_a_file_that_is_no_effect_is_named(folder, source):
     (folder / "trial_b.py").write_text(source)
     with pytest.raises(EffectError, match=r"exoid/symbolic/effects/trial_b\.py: the file does not define"):
         catalogue.__wrapped__()
+
+
+def test_a_leg_on_a_moving_base_is_another_machine_whatever_was_asked_before():
+    """Of equal joints the catalogue that was asked for first answered for both: suspects hung on what ran before."""
+    standing, moving = Model.standard(), Model("walker", moving_base=True)
+    assert standing.joints != moving.joints
+    assert "com_offset" in catalogue(moving.joints) and "com_offset" not in catalogue(standing.joints)

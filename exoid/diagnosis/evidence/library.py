@@ -68,7 +68,8 @@ class Library:
         known = same and candidate.name in self._kept
         columns = self._kept[candidate.name] if known else _columns(candidate, fitted)
         fine = candidate.nodes.shape[1] > FINE
-        if same and not candidate.tangent and (fine or not feeds_back(candidate.term)):  # no number changes them, or many
+        if same and not candidate.tangent and (fine or not feeds_back(candidate.term)):
+            # No number of the model changes them, or it takes long.
             self._kept[candidate.name] = columns
             return columns
         if fitted not in self._beside:
