@@ -77,7 +77,7 @@ class Intermittent:
         return "as the ground under a foot does" if self.force or self.foot else "and is no function of the motion"
 
     def sentence(self, joints: Sequence[Joint]) -> str:
-        """How often and how long it acts and how large it is, for people."""
+        """Sentence for people: how often it acts, how long, and how large it is."""
         sizes = [
             ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in zip(joints, part, strict=True))
             for part in (self.torque, self.quiet)
