@@ -126,13 +126,11 @@ class _Against:
         told = own.without([entry.recording for entry in rival.left_out])
         least = self.rules.half if len(own.ways) == 1 else self.rules.most
         main = bool(own.ways) and explained_by(self.last, explained) >= least
-        many = own.as_many_as(self.rules.half)
-        of_a_machine = many and bool(self.answer.left_out)
-        may = told and not of_a_machine and self._leaves_as_little(rival)
-        if not may or not _may_replace(self.answer, rival, own, main=main) or not self.is_worth(own, explained):
+        may = told and self._leaves_as_little(rival) and _may_replace(self.answer, rival, own, main=main)
+        if not may or not self.is_worth(own, explained):
             return None
         more = _leaves_more(rival)
-        caution = OTHERS_TOO if many or (more and len(own.ways) >= WAYS) else ""
+        caution = OTHERS_TOO if own.as_many_as(self.rules.half) or (more and len(own.ways) >= WAYS) else ""
         caution += MORE_TOO if more else ""
         return with_own(rival, told, self.base, caution)
 
@@ -176,7 +174,8 @@ def _may_replace(answer: Diagnosis, rival: Diagnosis, own: OwnNumbers, *, main: 
     if _leaves_more(rival):
         kept, also = _names(answer) <= _names(rival), _leaves_more(answer)
         return (kept or also) if main else (kept and also and not own.ways)
-    return True
+    # What is another machine's is explained by as many numbers as a machine has.
+    return answer.error is not None or not own.of_a_machine(answer.left_out)
 
 
 def _names(answer: Diagnosis) -> frozenset[str]:

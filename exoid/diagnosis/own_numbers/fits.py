@@ -129,15 +129,19 @@ class Fits:
         return tuple(names[k] for k, at in zip(self.alike, alike, strict=True) if k < len(names) and claim.place in at)
 
     def moved(self, other: Fits, state: State) -> State:
-        """Claims of other fits, to the same parts or more of them, cut elsewhere, as claims of these."""
-        where, there = ([(part.recording, part.start > 0) for part in fits.parts] for fits in (self, other))
+        """Claims of other fits to these recordings, cut elsewhere or not at all, as claims of these fits."""
         out = []
         for held in state:
             claim = self.claims[other.claims.index(held.claim)]
-            inside = [{there[i] for i in group} for group in held.groups]
-            groups = [tuple(j for j, part in enumerate(where) if part in some) for some in inside]
+            groups = [tuple(j for j in range(len(self.parts)) if self._is_in(j, other, group)) for group in held.groups]
             out.append(Claimed(claim, held.node, tuple(dict.fromkeys(groups))))
         return tuple(out)
+
+    def _is_in(self, j: int, other: Fits, group: tuple[int, ...]) -> bool:
+        """True where a part of a recording, or one like it, is among a group of parts of other fits."""
+        own = self.parts[j]
+        alike = [other.parts[i] for i in group if other.parts[i].recording == own.recording]
+        return any(own.whole or item.whole or (own.start == 0) == (item.start == 0) for item in alike)
 
     def _seen(self, k: int) -> Seen:
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]

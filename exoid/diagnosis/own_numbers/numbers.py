@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, refitted
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.hypotheses import Claim, Node, Seen, sentence_on
@@ -105,6 +106,15 @@ class OwnNumbers:
             if groups:
                 out.append(held if groups == held.groups else replace(held, groups=groups))
         return tuple(out)
+
+    def of_a_machine(self, recordings: Sequence[Apart]) -> bool:
+        """True if some of the recordings needs as many numbers of its own as the model has."""
+        model, names = self.now.model, [item.name for item in self.now.prepared.all]
+        many = dict.fromkeys(names, 0)
+        for held in self.held:
+            for name in {names[self.parts[j].recording] for group in held.groups for j in group}:
+                many[name] += held.count
+        return any(many[item.recording] >= model.friction.stop for item in recordings)
 
     @property
     def ways(self) -> State:
