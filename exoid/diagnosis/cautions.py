@@ -11,6 +11,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
 from exoid.diagnosis.readings import reading_doubt
 from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.doubt import on_bound
 from exoid.measurement.finding import EVERY, Finding
 
 OUTSIDE = "outside"
@@ -30,7 +31,8 @@ def cautions(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
     most = np.nanmax(share, initial=0.0)
     if doubt is None and most > rules.worth_telling:
         last = most_effects(fitted, rules)
-        doubt = reading_doubt(last.fit, (term.name for term in last.model.terms))
+        names = [term.name for term in last.model.terms if not on_bound(last, term.name, rules)]
+        doubt = reading_doubt(last.fit, names)
     if doubt is None and most > rules.unexplained_share:
         parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in finite(share, fitted.model.joint_names))
         text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"

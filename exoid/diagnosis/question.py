@@ -17,7 +17,7 @@ from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.stretches import searched_stretches
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
-from exoid.diagnosis.readings import readings_of
+from exoid.diagnosis.readings import is_reading, readings_of
 from exoid.diagnosis.results import Conclusion, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
@@ -160,7 +160,7 @@ class Question:
             return Searched(base.prepared, base, context, run_search(context, *begun.extensions))
         result = run_search(context, start)
         shown = fitted_on(result.state.last.fitted.fit, base.prepared).shown_later()
-        if shown is base.prepared:
+        if shown is base.prepared or any(map(is_reading, result.state.names)):  # of what is misread no more is asked
             return Searched(base.prepared, base, context, result)
         return self._searched(self.fitted((), (), tick, shown), tick, found, result.state)
 

@@ -121,7 +121,7 @@ def apply_transforms(model: ModelStructure, out: Float, shapes: Float, motion: M
     if not transforms:
         return
     at, env = shape_values(model, shapes), motion_words(motion)
-    rows = np.ascontiguousarray(np.swapaxes(out, 1, 2))
+    rows = np.array(np.swapaxes(out, 1, 2), order="C")  # a copy: `out` changes
     words = {f"tau_model{j + 1}": row for j, row in enumerate(rows)}
     for term in transforms:
         for torque in torques(term):

@@ -169,7 +169,7 @@ class ModelStructure:
         """
         joints = joints_of(self.joints)
         if joints is LEG and (self.moving_base or self.gravity == 0.0):
-            # Its hip says where it sits, so that what is kept of one of the two machines is never taken for the other's.
+            # Its hip says where it sits: what is kept of one of the two machines is never taken for the other's.
             joints = (replace(LEG[0], length=self.thigh_length, parent="base"), *LEG[1:])
         object.__setattr__(self, "joints", joints)
 

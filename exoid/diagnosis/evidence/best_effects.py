@@ -43,6 +43,9 @@ def most_effects(base: FittedModel, rules: Rules) -> FittedModel:
         if not rest:
             break
         best = least_of(rest, lambda one: -one.share, 1.0)
+        # What makes up for a late torque is worth nothing once that is read in time, and hides it.
+        late = [s for s in rest if s.candidate.reads_torque and s.share >= rules.half * best.share]
+        best = least_of(late, lambda one: -one.share, 1.0) if late else best
         term = best.candidate.term
         model = now.model.with_effect(term.effect, term.joint)
         start = np.concatenate([now.shape, np.median(best.shape, axis=0)]) if model.shapes else None
