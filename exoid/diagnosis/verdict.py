@@ -173,6 +173,10 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
         text += f" Beyond that, more than noise is left in {', '.join(far)} that those held out do not show."
         advice = advice or _look_at(far)
     text += end.oscillation
+    if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
+        named = {term.name: term.effect for term in end.last.model.terms}
+        numbers = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
+        text += f" What a held-out recording has to itself ({numbers}) was found in one half and judged on the other."
     losing = [a for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)]
     if lost := " and ".join(called(a.name, end.find) for a in losing):
         text += f" The recordings held out here lose a little by {lost}; in nearly all other splits they gain by it."
@@ -335,7 +339,7 @@ def sentence_of(term: Term, numbers: Mapping[str, Estimate], unknown: Collection
 
 
 def biased_parameters(before: Fit, after: Fit) -> tuple[str, ...]:
-    """Old parameters that the missing effects had pulled off, in words."""
+    """Return, in words, which old parameters the missing effects had pulled off, and what became plausible."""
     new = {e.name: e for e in after.estimates}
     labels = {parameter.name: parameter.label for parameter in before.model.parameters}
     out = []
@@ -343,5 +347,9 @@ def biased_parameters(before: Fit, after: Fit) -> tuple[str, ...]:
         now = new.get(old.name)
         if now is None or not np.isfinite([now.low, now.high]).all() or now.low <= old.value <= now.high:
             continue
-        out.append(f"{labels.get(old.name) or old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip())
+        text = f"{labels.get(old.name) or old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip()
+        friction = old.name.startswith(("coulomb", "viscous"))
+        if friction and old.value < 0.0 <= now.value:
+            text += " (a friction that was negative, which is impossible, has become positive)"
+        out.append(text)
     return tuple(out)

@@ -134,11 +134,14 @@ def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ..
     terms = tuple(base.with_effect(name).terms[-1] for name in rivals)
     names = [term.name for term in terms]
     if len(set(names)) < 2 or len(set(names)) < len(names):
-        joint = model.joint_names[0]
+        usual = model.joint_names[0]
+        first = names[0] if names else f"stribeck:{usual}"
+        effect, _, joint = first.partition(":")
+        second = f"{'stribeck' if effect == 'viscous_quadratic' else 'viscous_quadratic'}:{joint or usual}"
         raise SeparateError(
             f"{', '.join(sorted(set(names))) or 'nothing'} is named, but it takes two different effects to compare",
             where="--separate",
-            remedy=f"add a second effect: stribeck:{joint},viscous_quadratic:{joint}",
+            remedy=f"add a second effect: {first},{second}",
         )
     return base, terms
 
