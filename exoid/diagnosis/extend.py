@@ -15,7 +15,6 @@ from exoid.diagnosis.report.page import Reported
 from exoid.diagnosis.results import Falling, Step
 from exoid.diagnosis.rules import RULES
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
-from exoid.diagnosis.write_up import estimates_in
 from exoid.ground.errors import ExoidError
 from exoid.ground.files import MODEL_FILES
 from exoid.ground.frames import pandas
@@ -183,12 +182,13 @@ def add(
     after = found if judged is prepared else identify(extended, judged.train, optimisers=())
     waterfall = _waterfall([before, after], judged)
     term = extended.terms[-1]
-    numbers = estimates_in(after, term.name)
+    prefix = f"{term.name}."
+    numbers = {e.name.removeprefix(prefix): e for e in after.estimates if e.name.startswith(prefix)}
     first, last = (step.evaluation_rms for step in waterfall.steps)
     change = (first - last) / np.maximum(first, 1e-300)
     # At the joint that gains most; where the others lose more than it gains, at the one that loses most.
     fall = float(change.max() if change.sum() > 0.0 else change.min())
-    inside = _admissible(extended, after, f"{term.name}.")
+    inside = _admissible(extended, after, prefix)
     helped = fall > RULES.negligible and not inside
     kind = "unseen" if verify else "fitted"
     text = f"{sentence_of(term, numbers)}: the {kind} error falls by {100 * fall:.1f} % at the joint that gains most."

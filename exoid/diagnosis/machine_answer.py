@@ -16,7 +16,7 @@ from exoid.diagnosis.search.doubt import refuted
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of
 from exoid.diagnosis.search.state import Extension
 from exoid.diagnosis.verdict import behind, conclude, doubted
-from exoid.diagnosis.write_up import accepted_of, write_up
+from exoid.diagnosis.write_up import accepted_of, possible_beside, write_up
 from exoid.ground.progress import Progress, part_of
 from exoid.measurement.reading.conventions import read_as
 from exoid.measurement.recording import Recording
@@ -107,10 +107,12 @@ def _inside(asking: Asking, base: FittedModel) -> tuple[Searched, Diagnosis]:
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
+    accepted = accepted_of(extensions, agreements, done.context, question.own)
     soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
+        possible = possible_beside(soft, accepted, possible, rules)
         return unless_doubted(write_up(done, behind(soft, last.model.joints), asking.began, possible=possible))
-    accepted = tuple(map(in_words, accepted_of(extensions, agreements, done.context, question.own)))
+    accepted = tuple(map(in_words, accepted))
     first = () if accepted else done.found.first
     leading = leading_of(done.context, state, first, done.base.evaluation_rms)
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible, leading)

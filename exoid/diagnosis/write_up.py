@@ -15,12 +15,14 @@ from exoid.diagnosis.evidence.model_error import times_noise
 from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.score import Score, share_of_own_joints
+from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
 from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.own_numbers.numbers import Belonging, OwnNumbers
 from exoid.diagnosis.question import Searched, steps_of
 from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Conclusion, Diagnosis, Possible, Step, Suspect
+from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import known_with_shape
 from exoid.diagnosis.search.state import Extension
@@ -34,6 +36,21 @@ from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
 Ranked = TypeVar("Ranked")
+
+
+def possible_beside(
+    soft: SoftDrive, accepted: Sequence[Accepted], possible: Sequence[Possible], rules: Rules
+) -> tuple[Possible, ...]:
+    """Possible effects where a drive too soft for its encoder explains more than all that was accepted."""
+    reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
+    given_up = [
+        Possible(effect.effect, effect.joint, effect.agreement, effect.parameters, effect.fall, reason)
+        for effect in accepted
+        if effect.fall >= rules.least_share
+    ]
+    names = {item.name for item in accepted}
+    every = [*given_up, *(entry for entry in possible if entry.name not in names)]
+    return tuple(ascending(every, lambda item: -item.explained_share, 1.0)[: rules.most_possible])
 
 
 def with_own(answer: Diagnosis, told: Sequence[Belonging], given: FittedModel, caution: str = "") -> Diagnosis:

@@ -62,4 +62,4 @@ def contains(
     limits = np.where(ends.any(axis=(0, 2)), limit, EXACT) * np.sum(torque**2)
     each = _on_fitted(evidence, context.library.columns(rival, extension.fitted))
     rests = (torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0] for _, own in each)
-    return any(np.sum(rest**2) <= most for rest, most in zip(rests, limits, strict=True))
+    return any(np.sum(rest**2) <= most for rest, most in zip(rests, limits, strict=False))
