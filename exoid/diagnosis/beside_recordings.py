@@ -15,6 +15,7 @@ from exoid.diagnosis.own_numbers.changes import least_left
 from exoid.diagnosis.own_numbers.compared import explained_by, predicts_better
 from exoid.diagnosis.own_numbers.found import WAYS, belonging_to
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
+from exoid.diagnosis.own_numbers.state import UNCUT, Cuts
 from exoid.diagnosis.question import Question
 from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.rules import Rules
@@ -94,7 +95,7 @@ class _Against:
         does not: each hides the other as long as it is missing. With each, in how many ways they may differ; where
         several leave more than noise, zeros stay.
         """
-        found = belonging_to(self.last, self.rules, ways=self.ways)
+        found = _belonging_beside(self.last, self.rules, ways=self.ways)
         if found is None and not self.near:
             return
         alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules, ways=self.ways)
@@ -102,10 +103,10 @@ class _Against:
             if own is not None and self.is_worth(own, own.beside(self.last, self.base.prepared)):
                 yield own, self.ways
         for left, machine in ascending(self.bounds[1:] if self.near else (), lambda pair: pair[0], 1.0):
-            own = belonging_to(machine, self.rules) if left <= self.rules.near_noise else None
+            own = _belonging_beside(machine, self.rules) if left <= self.rules.near_noise else None
             if own is not None and is_near_noise(own.beside(machine, self.base.prepared), self.rules):
                 yield own, self.ways
-        zeros = belonging_to(self.last, self.rules, ways=0) if self.near and self.ways > 1 else None
+        zeros = _belonging_beside(self.last, self.rules, ways=0) if self.near and self.ways > 1 else None
         if zeros is not None and self.is_worth(zeros, zeros.beside(self.last, self.base.prepared)):
             yield zeros, 0
 
@@ -199,13 +200,24 @@ def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tu
             return *kept[:2], own if own.by_recording.keys() == kept[2].by_recording.keys() else kept[2]
         kept = rival, fitted_on(rival.fit, without), own
         last = fitted_on(_common(kept[1], _names(rival)).fit, own.carried(given))
-        own = belonging_to(last, asking.question.rules, own.cuts, ways) or own
-        if kept[2].agrees(own):
+        own = _belonging_beside(last, asking.question.rules, own.cuts, ways) or own
+        if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own
         if turn and _leaves_more(rival):  # beside that, numbers need not come to rest
             break
     assert kept is not None
     return kept
+
+
+def _belonging_beside(last: FittedModel, rules: Rules, changed: Cuts = UNCUT, ways: int = WAYS) -> OwnNumbers | None:
+    """Numbers that belong to recordings, some of which `changed`, beside a model that was found, without its effects
+    that do no more than these, which stay `needless`.
+    """
+    own = belonging_to(last, rules, changed, ways)
+    if own is None or not own.needless:
+        return own
+    without = belonging_to(refitted(last.model.without(*own.needless), last, last.prepared), rules, changed, ways)
+    return without and replace(without, needless=own.needless)
 
 
 def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> Iterator[FittedModel]:

@@ -128,6 +128,13 @@ class Fits:
         alike = ({item.place for item in claims if item.what == claim.what} for claims in self.alike.values())
         return tuple(names[k] for k, at in zip(self.alike, alike, strict=True) if k < len(names) and claim.place in at)
 
+    def needless(self, state: State) -> tuple[str, ...]:
+        """Terms of the model that do no more than what each recording has, such as an offset beside zeros."""
+        model, held = self.now.model, self._held(state)
+        bent = {entry.term for entry in model.shapes}
+        own = {term.name: {k for k, p in enumerate(model.parameters) if p.term == term.name} for term in model.terms}
+        return tuple(name for name, places in own.items() if places and places <= held and name not in bent)
+
     def moved(self, other: Fits, state: State) -> State:
         """Claims of other fits to these recordings, cut elsewhere or not at all, as claims of these fits."""
         out = []

@@ -14,7 +14,6 @@ import numpy as np
 
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel
-from exoid.diagnosis.hypotheses import Claim
 from exoid.diagnosis.own_numbers.changes import changes_of, sharpened
 from exoid.diagnosis.own_numbers.compared import clearer, falls_clearly, total
 from exoid.diagnosis.own_numbers.fits import Fits
@@ -50,7 +49,7 @@ def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, 
     if cuts:
         in_parts = Fits(now, rules, cuts)
         search = _Search(in_parts, ways)
-        then = search.found(())
+        then = search.found(search.regrouped(in_parts.moved(fits, held)))
         if cuts := sharpened(in_parts, then):
             fits = Fits(now, rules, cuts)
             held = placed(fits, fits.moved(in_parts, then))
@@ -155,8 +154,8 @@ class _Search:
         state = self._at_other_angles(state)
         self.fits.weigh(state)
         state = self._with_middles(_placed(self.fits, self._pruned(state)))
-        fewer = tuple(self._fewest(tuple(other for other in state if other is not item), item) for item in state)
-        return state if fewer == state else placed(self.fits, fewer)
+        turned = tuple(self._turned_round(tuple(other for other in state if other is not item), item) for item in state)
+        return state if turned == state else placed(self.fits, turned)
 
     def _at_other_angles(self, state: State) -> State:
         """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
@@ -183,8 +182,16 @@ class _Search:
             for claim in self.claims:
                 if claim.everyone and all(item.claim is not claim for item in state):
                     own = Claimed(claim, claim.nodes[0], self.fits.everyone)
-                    if self.fits.pays(state, (*state, own), self.clear):
+                    if self.fits.pays(self._needless(state, own), (*state, own), self.clear):
                         state = (*state, own)
+        return state
+
+    def regrouped(self, state: State) -> State:
+        """The same claims with those parts of recordings that have them, where whole recordings had them before."""
+        for item in state:
+            rest = tuple(other for other in state if other is not item)
+            own = item.claim.everyone or item.claim.common or item.claim.whole
+            state = state if own else (*rest, self._grown(rest, item))
         return state
 
     def _is_the_machines(self, rest: State, held: Claimed) -> bool:
@@ -220,36 +227,46 @@ class _Search:
         """
         taken = {held.claim for held in state}
         free = [item for item in self.claims if not (item.everyone or item.common or item in taken)]
-        if self.many < 2:
+        if self.many < 2 or not free:
             return []
-        least = self.rules.least_share * self.fits.squares(state)
-        found = [(gain, held) for gain, held in (self._best_alone(state, claim) for claim in free) if gain >= least]
-        ordered = [held for _, held in ascending(found, lambda pair: -pair[0], 1.0)]
+        nodes = [(claim, node) for claim in free for node in claim.nodes]
+        mixed = np.zeros((self.fits.rows[0].shape[2], len(nodes)))
+        for c, (claim, node) in enumerate(nodes):
+            mixed[self.fits.place[claim], c] = claim.mix(node)
+        low, high = np.array([claim.bounds for claim, _ in nodes]).T
+        # What one recording has less of all others have more of, where the model's own numbers hold what all have.
+        low = np.where([claim.shared for claim, _ in nodes], -high, low)
+        whole = self.fits.sums(state).sum(axis=0)
+        columns = self.fits.grams @ mixed
+        products = np.swapaxes(self.fits.chosen(state), 1, 2)[:, None] @ columns
+        squares = np.sum(mixed * columns, axis=2)
+        now = 0.0
+        losses, numbers = np.zeros((2, self.many, len(nodes)))
+        for own, other in ((0, 1), (1, 0)):
+            step, inverse = self.fits.solved(whole[own])
+            both = np.append(-step, 1.0)
+            now += float(both @ whole[other] @ both)
+            by_model, by_left, square = products[:, own, :-1], products[:, own, -1], squares[:, own]
+            lean = inverse @ by_model
+            power = square - np.sum(by_model * lean, axis=1)
+            seen = power > self.rules.negligible * square
+            number = np.where(seen, (by_left - step @ by_model) / np.where(seen, power, 1.0), 0.0)
+            moved = np.insert(lean * number[:, None] - step[:, None], len(step), 1.0, axis=1)
+            left = np.sum(moved * (whole[other] @ moved), axis=1)
+            left += number**2 * squares[:, other] - 2.0 * number * np.sum(moved * products[:, other], axis=1)
+            numbers += number
+            losses += np.where((low <= number) & (number <= high), left, np.inf)
+        best: list[tuple[float, Claimed]] = []
+        for claim in free:
+            mine = [c for c, (element, _) in enumerate(nodes) if element is claim]
+            k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
+            less = claim.shared and numbers[k, mine[c]] < 0.0
+            group = tuple(j for j in range(self.many) if (j == k) != less)
+            best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
+        useful = [entry for entry in best if entry[0] <= (1.0 - self.rules.least_share) * now]
+        ordered = [held for _, held in ascending(useful, lambda one: one[0], 1.0)]
         kinds = [held.claim.what for held in ordered]
         return [held for k, held in enumerate(ordered) if k < TRIED or held.claim.what not in kinds[:k]]
-
-    def _best_alone(self, state: State, claim: Claim) -> tuple[float, Claimed]:
-        """The recording and node at which a claim takes most of the squared error, and how much."""
-        fits, place = self.fits, self.fits.place[claim]
-        step, inverse = fits.solved(fits.sums(state).sum(axis=(0, 1)))
-        mix = np.array([claim.mix(node) for node in claim.nodes]).T
-        columns = fits.grams.sum(axis=1)[:, :, place] @ mix
-        products = np.swapaxes(fits.chosen(state), 1, 2) @ columns
-        square = np.sum(mix * columns[:, place], axis=1)
-        power = square - np.sum(products[:, :-1] * (inverse @ products[:, :-1]), axis=1)
-        seen = power > self.rules.negligible * square
-        number = np.where(seen, products[:, -1] - step @ products[:, :-1], 0.0) / np.where(seen, power, 1.0)
-        low, high = claim.bounds
-        # What one recording has less of all others have more of, where the model's own numbers hold what all have.
-        can = (number >= (-high if claim.shared else low)) & (number <= high)
-        gain = number**2 * power * can
-        # Beside zeros of its own a recording changes as much before as after: it is told from then on.
-        order = np.argsort([part.start == 0 for part in fits.parts], kind="stable")
-        k, c = divmod(index_of_least(-gain[order].ravel()), len(claim.nodes))
-        k = int(order[k])
-        less = claim.shared and number[k, c] < 0.0
-        group = tuple(j for j in range(self.many) if (j == k) != less)
-        return float(gain[k, c]), Claimed(claim, claim.nodes[c], (group,))
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
         """A claim with as many recordings as clearly have it, and no more. No choice of them is asked about twice: the
@@ -272,7 +289,7 @@ class _Search:
 
     def _fewest(self, state: State, held: Claimed) -> Claimed:
         """A claim without recordings that need no number, or turned to those that have none where these are fewer."""
-        while len(held.groups) > 1 and not held.claim.everyone:
+        while len(held.groups) > 1:
             self.fits.weigh((*state, held))
             shorter = [tuple(group for group in held.groups if group is not out) for out in held.groups]
             other = self._others(held)[-1].groups
@@ -283,6 +300,16 @@ class _Search:
                 break
             held = best
         return held
+
+    def _turned_round(self, state: State, held: Claimed) -> Claimed:
+        """A claim, turned to those recordings that have no number where these are fewer and it predicts no worse so."""
+        if held.claim.everyone or held.claim.common or held.claim.shared:
+            return held
+        other = self._others(held)[-1]
+        if len(other.groups) >= len(held.groups) or not np.isfinite(self.fits.loss((*state, other))):
+            return held
+        now, then = (total(self.fits.losses((*state, item))) for item in (held, other))
+        return other if then <= now else held
 
     def _others(self, held: Claimed) -> list[Claimed]:
         """A claim with one recording more; of a number that is shared, also with one less; of others, also the
@@ -301,7 +328,7 @@ class _Search:
         """The claims that are not needless beside the others; of motions that recordings were given, little is left."""
         given = any(part.known for part in self.fits.parts)
         while len(state) > 1 and (asked := [item for item in state if not (given and item.claim.of_motion)]):
-            rivals = [_placed(self.fits, tuple(item for item in state if item is not out)) for out in asked]
+            rivals = [self._needless(tuple(item for item in state if item is not out), out) for out in asked]
             best = index_of_least([total(self.fits.losses(rival)) for rival in rivals])
             if self.fits.pays(rivals[best], state, self.clear):
                 break
@@ -316,3 +343,19 @@ class _Search:
         places = {held.claim.place for held in state if held.claim.common and not held.claim.factor}
         zeros = [claim for claim in self.fits.claims if claim.everyone and claim.place in places and claim not in known]
         return (*state, *(Claimed(claim, claim.nodes[0], self.all) for claim in zeros))
+
+    def _needless(self, rest: State, held: Claimed) -> State:
+        """Claims that explain as much where a claim is needless: the others; beside a zero that is the same in all
+        recordings what was another number until a change is one from there on.
+        """
+        if not held.claim.everyone:
+            return _placed(self.fits, rest)
+        alike = (held.claim.what, held.claim.place)
+        turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
+        rivals = [_placed(self.fits, some) for some in dict.fromkeys((rest, turned))]
+        return least_of(rivals, self.fits.loss, 1.0)
+
+    def _turned(self, held: Claimed) -> Claimed:
+        """The same of the other parts of its recordings."""
+        other = {a: b for parts in self.fits.everyone for a, b in zip(parts, reversed(parts), strict=True)}
+        return replace(held, groups=tuple(tuple(other[j] for j in group) for group in held.groups))

@@ -68,6 +68,7 @@ class OwnNumbers:
     """Numbers that belong to recordings beside the model `now`: the claims that are `held` of `parts` of them, their
     `numbers` (C,) with the half-`widths` (C,) of their intervals, and for each part those (2, C) by which its two
     halves are judged; statements `of_each` claim. Factors are those of the model's torque at its `linear` numbers (P,).
+    `needless` are terms of the model that do no more than what each recording has.
     """
 
     now: FittedModel
@@ -77,6 +78,7 @@ class OwnNumbers:
     numbers: Float
     widths: Float
     judged: Float
+    needless: tuple[str, ...] = ()
     of_each: tuple[tuple[Belonging, ...], ...] = ()
 
     @property
@@ -254,7 +256,7 @@ def with_numbers(fits: Fits, state: State) -> OwnNumbers:
             judged[j, half] = fits.together(state, (j, half))[fits.count :]
     numbers, spread = step[fits.count :], spread_of(fits, state, step)
     widths = spread.width[fits.count : len(step)]
-    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged)
+    own = OwnNumbers(fits.now, fits.linear, fits.parts, state, numbers, widths, judged, fits.needless(state))
     if any(part.known for part in fits.parts):  # there, the numbers are what is left of them
         groups = [(held.claim, fits.parts[group[0]].known) for held, group in grouped(state)]
         known = np.array([before.get(claim.key, 0.0) if claim.of_motion else 0.0 for claim, before in groups])
