@@ -32,7 +32,7 @@ from exoid.measurement.recording import Recording
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import Prepared, prepare
 from exoid.symbolic.effect import Effect
-from exoid.symbolic.language.torque import by_stage
+from exoid.symbolic.language.torque import transforms
 from exoid.symbolic.model import Model
 
 
@@ -155,7 +155,7 @@ class Question:
             context = replace(context, grown=lambda state: found(steps_of(state.extensions)))
         start = Extension(base) if part is base.prepared else context.fit(self.model)
         if earlier is not None:
-            late = [term.name for term in by_stage(earlier.last.fitted.model.terms)[1]]
+            late = [term.name for term in transforms(earlier.last.fitted.model.terms)]
             begun = context.replay(earlier.grown(start, *earlier.extensions[1:]), late)
             return Searched(base.prepared, base, context, run_search(context, *begun.extensions))
         result = run_search(context, start)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.symbolic.language.lower import to_numpy
-from exoid.symbolic.language.torque import Torque, by_stage, torques
+from exoid.symbolic.language.torque import Torque, torques, transforms
 from exoid.symbolic.language.tree import Call
 from exoid.symbolic.motion import Float, Motion
 
@@ -117,13 +117,13 @@ def apply_transforms(model: ModelStructure, out: Float, shapes: Float, motion: M
     """Add to torques, or columns of them, in `out` (J, N, P) what the transforms of the model make of these, each once:
     they are linear.
     """
-    transforms = by_stage(model.terms)[1]
-    if not transforms:
+    acting = transforms(model.terms)
+    if not acting:
         return
     at, env = shape_values(model, shapes), motion_words(motion)
     rows = np.array(np.swapaxes(out, 1, 2), order="C")  # a copy: `out` changes
     words = {f"tau_model{j + 1}": row for j, row in enumerate(rows)}
-    for term in transforms:
+    for term in acting:
         for torque in torques(term):
             heard = [row for word, row in words.items() if word in torque.names]
             some = np.flatnonzero(np.any(heard, axis=(0, 2)))  # of nothing it makes nothing

@@ -69,7 +69,8 @@ def compare_against(
     assert isinstance(machine, Model)
     machine = machine if isinstance(model, Fit) else pushed_model(machine, (*before, *after))
     question = prepare(machine, before, after, cutoff=cutoff, derivative=derivative)
-    for finding in question.misread:
+    if question.misread:
+        finding = question.misread[0]
         raise RecordingError(finding.what, where=finding.where, remedy=finding.remedy)
     began = time.perf_counter()
     now = fitted_model(identify(machine, question.train, optimisers=()), question)

@@ -151,8 +151,8 @@ def _power(base: FittedModel) -> Float:
 
 
 def _shares(fitted: FittedModel) -> Float:
-    """Return the share (R, J) of the usual variance of a torque that is left of each recording. Where a drive seems to
-    be missing, no torque is for certain, unless the channel is dead.
+    """Return the share (R, J) of the usual variance of a torque that is left of each recording. A torque that is zero
+    throughout counts as zero, as it does in the fit: where the channel is dead, much is left.
     """
     pairs = zip(fitted.residuals, fitted.prepared.all, strict=True)
     left = [np.sum(r**2, axis=1, where=item.used) / np.maximum(item.used.sum(axis=1), 1) for r, item in pairs]

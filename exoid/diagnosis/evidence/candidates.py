@@ -26,7 +26,7 @@ from exoid.symbolic.columns import derived_columns, slopes_of, transformed
 from exoid.symbolic.evaluation import apply_transforms, carrying, motion_words, torque_values
 from exoid.symbolic.language.deflection import SLOPES
 from exoid.symbolic.language.lower import to_numpy
-from exoid.symbolic.language.torque import Torque, by_stage, is_transform, part_of, torques
+from exoid.symbolic.language.torque import Torque, is_transform, part_of, torques, transforms
 from exoid.symbolic.language.tree import Binary, Call, Name
 from exoid.symbolic.language.words import FEEDBACK
 from exoid.symbolic.model import Model
@@ -202,7 +202,7 @@ def _unfiltered_columns(
     if candidate.term.effect.derive is not None:
         return _derived(candidate.term, one, fitted, nodes)
     texts = _texts(candidate, one, fitted)
-    return partial(_as_measured, candidate, one, fitted, texts) if by_stage(fitted.model.terms)[1] else texts
+    return partial(_as_measured, candidate, one, fitted, texts) if transforms(fitted.model.terms) else texts
 
 
 def _as_measured(

@@ -16,7 +16,7 @@ from exoid.optimisation.fitting.shapes import from_unit
 from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
 from exoid.symbolic.effect import Effect, Shape
 from exoid.symbolic.effect_catalogue import catalogue
-from exoid.symbolic.language.torque import by_stage
+from exoid.symbolic.language.torque import transforms
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.term import Term, places_of
@@ -64,7 +64,7 @@ class Library:
         """
         if candidate.name in (beside := self._beside.get(fitted, {})):
             return beside[candidate.name]
-        same = not by_stage(fitted.model.terms)[1]  # as no late sensor shows them
+        same = not transforms(fitted.model.terms)  # as no late sensor shows them
         known = same and candidate.name in self._kept
         columns = self._kept[candidate.name] if known else _columns(candidate, fitted)
         fine = candidate.nodes.shape[1] > FINE

@@ -140,7 +140,12 @@ def is_transform(term: Term) -> bool:
 def by_stage(terms: Iterable[Term]) -> tuple[list[Term], list[Term]]:
     """The terms that make the machine's torque, and the transforms that then act on it, each in their order."""
     every = list(terms)
-    return [term for term in every if not is_transform(term)], [term for term in every if is_transform(term)]
+    return [term for term in every if not is_transform(term)], transforms(every)
+
+
+def transforms(terms: Iterable[Term]) -> list[Term]:
+    """The transforms among terms, in their order."""
+    return [term for term in terms if is_transform(term)]
 
 
 def uses_slopes(term: Term) -> bool:
