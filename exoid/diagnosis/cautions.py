@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.doubts import doubts_before, doubts_first
 from exoid.diagnosis.evidence.best_effects import may_be_explained, most_effects
 from exoid.diagnosis.evidence.channel_doubt import COLUMNS, Doubt, finite, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
-from exoid.diagnosis.readings import reading_doubt
+from exoid.diagnosis.hypotheses.channels import doubts_before, doubts_first
+from exoid.diagnosis.hypotheses.readings import reading_doubt
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.doubt import on_bound
 from exoid.measurement.finding import EVERY, Finding

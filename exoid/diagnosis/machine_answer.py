@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from exoid.diagnosis.doubts import doubts_after
 from exoid.diagnosis.evidence.apart import OTHERS, left_out, odd_ones
 from exoid.diagnosis.evidence.fitted import FittedModel, fit_as_of, fitted_model, fitted_on
 from exoid.diagnosis.evidence.soft_drive import soft_drive
+from exoid.diagnosis.hypotheses.channels import doubts_after
+from exoid.diagnosis.hypotheses.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.question import Question, Searched
-from exoid.diagnosis.readings import is_reading, reading_doubt, reading_said
 from exoid.diagnosis.results import Accepted, Diagnosis, Step
 from exoid.diagnosis.search.doubt import refuted
 from exoid.diagnosis.search.possible import agreements_of, leading_of, possible_of

@@ -9,15 +9,15 @@ from typing import TypeGuard
 
 import numpy as np
 
-from exoid.diagnosis.doubts import doubts_after, doubts_before, doubts_first
 from exoid.diagnosis.evidence.best_effects import as_given, may_be_explained, most_effects
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, fitted_on
 from exoid.diagnosis.evidence.intermittent import Intermittent, intermittent
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.stretches import searched_stretches
+from exoid.diagnosis.hypotheses.channels import doubts_after, doubts_before, doubts_first
+from exoid.diagnosis.hypotheses.readings import is_reading, readings_of
 from exoid.diagnosis.own_numbers.numbers import OwnNumbers
-from exoid.diagnosis.readings import is_reading, readings_of
 from exoid.diagnosis.results import Conclusion, Step
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext

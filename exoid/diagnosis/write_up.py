@@ -17,10 +17,10 @@ from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.score import Score, share_of_own_joints
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
 from exoid.diagnosis.evidence.stretches import searched
+from exoid.diagnosis.hypotheses.readings import is_reading
 from exoid.diagnosis.outside import force_uses
 from exoid.diagnosis.own_numbers.numbers import Belonging, OwnNumbers
 from exoid.diagnosis.question import Searched, steps_of
-from exoid.diagnosis.readings import is_reading
 from exoid.diagnosis.results import Accepted, Conclusion, Diagnosis, Possible, Step, Suspect
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.context import SearchContext

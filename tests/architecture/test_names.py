@@ -18,8 +18,8 @@ PLUG_INS = {
     "symbolic/effects": {"derive"},
     "apps/paper/items": {"answer"},
     "apps/*/export": {"write", "notes"},
-    "diagnosis/readings": {"entry", "what_is_wrong"},
-    "diagnosis/hypotheses": {"claims", "said"},
+    "diagnosis/hypotheses/readings": {"entry", "what_is_wrong"},
+    "diagnosis/hypotheses/recordings": {"claims", "said"},
 }
 """What each file of a folder of plug-ins defines for whoever reads the folder."""
 

@@ -9,7 +9,7 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
-from exoid.diagnosis.hypotheses import Seen, claims_of
+from exoid.diagnosis.hypotheses.recordings import Seen, claims_of
 from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.own_numbers.numbers import with_numbers

@@ -11,10 +11,10 @@ from scipy.signal import lfilter
 from exoid.diagnosis.cautions import cautions
 from exoid.diagnosis.comparison import compare
 from exoid.diagnosis.discovery import discover
-from exoid.diagnosis.doubts import doubts_after, doubts_before
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import model_error, repeats
+from exoid.diagnosis.hypotheses.channels import doubts_after, doubts_before
 from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.bench.simulation import Bench, run_bench

@@ -9,9 +9,9 @@ import pytest
 
 from exoid.diagnosis.comparison import compare
 from exoid.diagnosis.discovery import discover
-from exoid.diagnosis.doubts import doubts_before
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.pushes import wanted_gains
+from exoid.diagnosis.hypotheses.channels import doubts_before
 from exoid.measurement.auditing.audit import audit
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import Bench, simulate_runs

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis.discovery import discover
-from exoid.diagnosis.readings import link_length
+from exoid.diagnosis.hypotheses.readings import link_length
 from exoid.ground.errors import ExpressionError
 from exoid.measurement.bench.simulation import Bench, BenchError, run_bench
 from exoid.symbolic import Coefficient, Effect, Shape

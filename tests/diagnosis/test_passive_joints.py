@@ -11,7 +11,7 @@ from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import model_error, sensor_noise
 from exoid.diagnosis.evidence.remainder import remainders
-from exoid.diagnosis.hypotheses import claims_of
+from exoid.diagnosis.hypotheses.recordings import claims_of
 from exoid.ground.errors import NotEnoughDataError, RecordingError
 from exoid.measurement.auditing.checks.motion import check
 from exoid.optimisation.fitting.identify import identify

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from exoid.diagnosis.discovery import discover
+from exoid.diagnosis.hypotheses.readings import is_reading, readings_of, thigh_length
 from exoid.diagnosis.machine_answer import in_words
-from exoid.diagnosis.readings import is_reading, readings_of, thigh_length
 from exoid.diagnosis.results import Accepted
 from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.simulation import simulate_runs

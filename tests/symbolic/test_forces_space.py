@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis.comparison import compare
-from exoid.diagnosis.doubts import doubts_before
 from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.hypotheses.channels import doubts_before
 from exoid.ground.errors import EffectError
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.forces import usual_forces

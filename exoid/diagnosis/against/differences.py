@@ -22,7 +22,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rm
 from exoid.diagnosis.evidence.gain import Evidence, pooled_scale, robust_weight
 from exoid.diagnosis.evidence.ranking import agreed, placebo
 from exoid.diagnosis.evidence.score import weigh
-from exoid.diagnosis.hypotheses import Claim, nothing
+from exoid.diagnosis.hypotheses.recordings import Claim, nothing
 from exoid.diagnosis.own_numbers.compared import clearer, total
 from exoid.diagnosis.own_numbers.fits import Fits
 from exoid.diagnosis.own_numbers.found import TRIED, at_best_node

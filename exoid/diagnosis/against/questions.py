@@ -1,5 +1,5 @@
 """Possible differences of before and after: every effect of the catalogue, every number of the model, and what may
-belong to recordings (`exoid.diagnosis.hypotheses`): a load, a zero, a gain, a level of friction.
+belong to recordings (`exoid.diagnosis.hypotheses.recordings`): a load, a zero, a gain, a level of friction.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.library import build_library
-from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
+from exoid.diagnosis.hypotheses.recordings import Claim, Seen, claims_of, nothing
 from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.language.torque import torques

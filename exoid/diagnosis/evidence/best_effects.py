@@ -12,8 +12,8 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.ranking import weigh_all
+from exoid.diagnosis.hypotheses.readings import readings_of
 from exoid.diagnosis.own_numbers.found import belonging_to
-from exoid.diagnosis.readings import readings_of
 from exoid.diagnosis.rules import Rules
 from exoid.ground.ties import least_of
 from exoid.optimisation.fitting.identify import identify

@@ -12,7 +12,7 @@ from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import pooled_scale
 from exoid.diagnosis.evidence.gram import inverse_of
-from exoid.diagnosis.hypotheses import Claim, Seen, claims_of, nothing
+from exoid.diagnosis.hypotheses.recordings import Claim, Seen, claims_of, nothing
 from exoid.diagnosis.own_numbers.compared import falls_clearly, total
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, State, grouped, of_part, parts_of, state_columns
 from exoid.diagnosis.rules import Rules

@@ -13,7 +13,7 @@ import numpy as np
 from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, refitted
 from exoid.diagnosis.evidence.gain import pooled_scale
-from exoid.diagnosis.hypotheses import Claim, Node, Seen, sentence_on
+from exoid.diagnosis.hypotheses.recordings import Claim, Node, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, Span, State, grouped, of_part
 from exoid.diagnosis.rules import Rules

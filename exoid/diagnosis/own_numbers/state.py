@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import RecordingEvidence
-from exoid.diagnosis.hypotheses import Claim, Node, StateColumn
+from exoid.diagnosis.hypotheses.recordings import Claim, Node, StateColumn
 from exoid.measurement.reading.names import joints_of
 from exoid.optimisation.preparation.prepare import Prepared
 from exoid.symbolic.joints import Vector

@@ -18,7 +18,7 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes, refine
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise, noise_share
-from exoid.diagnosis.readings import reading_objection
+from exoid.diagnosis.hypotheses.readings import reading_objection
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
 from exoid.diagnosis.search.context import FEW, LEADING, SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined

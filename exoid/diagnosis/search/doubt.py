@@ -11,7 +11,7 @@ import numpy as np
 from exoid.diagnosis.evidence.enough_motion import little_motion
 from exoid.diagnosis.evidence.fitted import FittedModel, lag
 from exoid.diagnosis.evidence.model_error import repeats, sensor_noise
-from exoid.diagnosis.readings import is_reading, reading_objection
+from exoid.diagnosis.hypotheses.readings import is_reading, reading_objection
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.search.state import Extension
 from exoid.ground.ties import index_of_greatest, least_of

@@ -10,7 +10,7 @@ from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.ranking import with_chance
 from exoid.diagnosis.evidence.score import Score, share_of_own_joints
 from exoid.diagnosis.evidence.stability import Splits
-from exoid.diagnosis.readings import is_reading
+from exoid.diagnosis.hypotheses.readings import is_reading
 from exoid.diagnosis.results import Possible
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import Objection

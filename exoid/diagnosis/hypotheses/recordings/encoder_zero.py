@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, sides, than_usual
+from exoid.diagnosis.hypotheses.recordings import Claim, Seen, StateColumn, each_said, sides, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, StateColumn, at_joint, each_said, than_usual
+from exoid.diagnosis.hypotheses.recordings import Claim, StateColumn, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 
 

@@ -12,7 +12,7 @@ from functools import cache
 from types import ModuleType
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
-from exoid.diagnosis.hypotheses import listed
+from exoid.diagnosis.hypotheses.recordings import listed
 from exoid.diagnosis.rules import Rules
 from exoid.ground.folder import modules_in
 from exoid.optimisation.fitting.fit import Fit

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, at_joint, each_said, than_usual
+from exoid.diagnosis.hypotheses.recordings import Claim, Seen, StateColumn, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.doubts import FIRST, Asked
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.hypotheses.channels import FIRST, Asked
 from exoid.optimisation.preparation.smoothed import FILTERED
 
 WHEN, ORDER = FIRST, 10

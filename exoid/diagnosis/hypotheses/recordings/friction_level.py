@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, at_joint, each_said, than_usual
+from exoid.diagnosis.hypotheses.recordings import Claim, Seen, StateColumn, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 

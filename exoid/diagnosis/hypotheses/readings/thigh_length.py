@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
-from exoid.diagnosis.readings import unchanged
+from exoid.diagnosis.hypotheses.readings import unchanged
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.thigh_length import COUPLING, has_a_length

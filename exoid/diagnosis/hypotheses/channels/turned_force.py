@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from exoid.diagnosis.doubts import BEFORE, Asked
 from exoid.diagnosis.evidence.channel_doubt import Doubt, turned_round
 from exoid.diagnosis.evidence.pushes import wanted_gains
+from exoid.diagnosis.hypotheses.channels import BEFORE, Asked
 from exoid.measurement.recording import force_unit
 
 WHEN, ORDER = BEFORE, 20

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from exoid.diagnosis.doubts import BEFORE, Asked
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.hypotheses.channels import BEFORE, Asked
 from exoid.measurement.stance import UPWARDS
 
 WHEN, ORDER = BEFORE, 30

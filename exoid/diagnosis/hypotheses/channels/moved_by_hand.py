@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.diagnosis.doubts import BEFORE, Asked
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_beside
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.hypotheses.channels import BEFORE, Asked
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.motion import Float
 

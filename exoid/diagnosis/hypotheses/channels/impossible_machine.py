@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.doubts import AFTER, Asked
 from exoid.diagnosis.evidence.channel_doubt import COLUMNS, Doubt, finite, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.hypotheses.channels import AFTER, Asked
 from exoid.measurement.finding import Finding
 from exoid.symbolic.joints import machine_word
 

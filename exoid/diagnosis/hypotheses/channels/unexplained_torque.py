@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exoid.diagnosis.doubts import AFTER, Asked
 from exoid.diagnosis.evidence.channel_doubt import COLUMNS, Doubt, finite, left_share
+from exoid.diagnosis.hypotheses.channels import AFTER, Asked
 from exoid.symbolic.joints import machine_word
 from exoid.symbolic.motion import Float
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.doubts import AFTER, Asked
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_beside
 from exoid.diagnosis.evidence.model_error import is_near_noise
+from exoid.diagnosis.hypotheses.channels import AFTER, Asked
 from exoid.symbolic.joints import machine_word
 
 WHEN, ORDER = AFTER, 30

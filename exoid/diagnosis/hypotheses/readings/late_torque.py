@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
-from exoid.diagnosis.hypotheses import listed
-from exoid.diagnosis.readings import only_in_part, unless_misread, wrong_torques
+from exoid.diagnosis.hypotheses.readings import only_in_part, unless_misread, wrong_torques
+from exoid.diagnosis.hypotheses.recordings import listed
 from exoid.diagnosis.rules import RULES
 from exoid.optimisation.fitting.fit import Fit
 from exoid.symbolic.effect import Effect, Shape

@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, at_joint
-from exoid.diagnosis.hypotheses.friction_level import friction
+from exoid.diagnosis.hypotheses.recordings import Claim, Seen, StateColumn, at_joint
+from exoid.diagnosis.hypotheses.recordings.friction_level import friction
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 

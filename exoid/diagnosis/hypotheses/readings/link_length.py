@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
-from exoid.diagnosis.readings import unchanged
+from exoid.diagnosis.hypotheses.readings import unchanged
 from exoid.diagnosis.rules import Rules
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.preparation.prepare import Prepared

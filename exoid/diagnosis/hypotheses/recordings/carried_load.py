@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses import Claim, Node, Seen, StateColumn, each_said, listed
+from exoid.diagnosis.hypotheses.recordings import Claim, Node, Seen, StateColumn, each_said, listed
 from exoid.symbolic.joints import HERE, parents
 from exoid.symbolic.mechanics.payload import HEAVIEST, LINKS, one_kg_at
 from exoid.symbolic.mechanics.spatial import AXES, INERTIAS, MOMENTS

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.diagnosis.doubts import BEFORE, Asked
 from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.hypotheses.channels import BEFORE, Asked
 
 WHEN, ORDER = BEFORE, 10
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
-from exoid.diagnosis.readings import only_in_part, unless_misread, wrong_torques
+from exoid.diagnosis.hypotheses.readings import only_in_part, unless_misread, wrong_torques
 from exoid.optimisation.fitting.fit import Fit
 from exoid.symbolic.effect import Effect, Shape
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from exoid.diagnosis.hypotheses import Claim, Seen, StateColumn, each_said, listed, moving, sides
+from exoid.diagnosis.hypotheses.recordings import Claim, Seen, StateColumn, each_said, listed, moving, sides
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
