@@ -122,13 +122,16 @@ def exchange(context: SearchContext, state: State) -> State:
         context.tick(0.87, f"comparing {score.name} with its rivals once more")
         without = context.without(state.last, [score])
         evidence = context.evidence(without, draws=0)
-        taken = {*state.names, *state.banned, *state.unsteady} - {score.name}
-        rivals = (context.library.find(name) for name in _rivals(context, score) if name not in taken)
+        taken, at = {*state.names, *state.banned, *state.unsteady} - {score.name}, {*score.candidate.joints}
+        rivals = [c for c in context.library.candidates if c.name not in taken and at & {*c.joints}]
         # What holds another accepted term, as a spring an offset, would stand for both.
         known = {s.candidate.joints for s in state.accepted if s.candidate.numbers == 1}
-        effects = [rival for rival in rivals if not rival.reads_torque]
-        apart = [r for r in effects if not (_made_of(r, known) or _holds_any(context, without, evidence, r))]
-        wanted = [context.library.find(score.name), *apart]
+        wanted = [
+            c
+            for c in rivals
+            if c.name == score.name
+            or not (c.reads_torque or _made_of(c, known) or _holds_any(context, without, evidence, c))
+        ]
         weighed, columns = weigh_all(evidence, context.library, without.fitted, wanted)
         helping = [s for s in agreed(evidence, weighed, columns, without.fitted) if s.eligible]
         if not helping:
@@ -173,18 +176,6 @@ def _relabelled(state: State, score: Score, alike: tuple[str, ...], never: tuple
     """Return the state with other look-alikes of an accepted term."""
     changed = (replace(e, alike=alike, never=never) if e.added is score else e for e in state.extensions)
     return state.grown(*changed)
-
-
-def _rivals(context: SearchContext, score: Score) -> list[str]:
-    """Return the candidates that came close to an accepted one when it stood out most."""
-    best: tuple[float, list[str]] = 0.0, []
-    for _, scores in context.ranked.values():
-        own = next((s.share for s in scores if s.name == score.name), 0.0)
-        lead = own / max(s.share for s in scores) if scores and own > 0.0 else 0.0
-        if lead > best[0]:
-            close = context.rules.half * own
-            best = lead, [s.name for s in scores if s.share >= close and s.name != score.name]
-    return best[1]
 
 
 def drop_unsteady(context: SearchContext, state: State) -> State:
