@@ -226,6 +226,15 @@ def test_a_load_is_weighed_and_placed_whoever_carries_it(heavy):
     assert one.place.value == pytest.approx(0.3, abs=0.02) and "axis" in one.sentence
 
 
+@pytest.mark.parametrize("heavy", [{1: 0.8, 3: 1.6}, {0: 0.8, 1: 1.6, 3: 0.8}])
+def test_loads_of_two_sizes_are_weighed_each(heavy):
+    """One number for all was 1.74 kg, with a gain and zeros for what was left."""
+    runs = [drive(k, NUMBERS + added(heavy.get(k, 0.0), 0.3)) for k in range(5)]
+    found = discover(AXIS, runs[:4], runs[4])
+    assert found.verdict == "adequate"
+    assert told(found) == {"carried_load": pytest.approx({f"run_{k}": mass for k, mass in heavy.items()}, abs=0.1)}
+
+
 def added(mass, place):
     out = np.zeros(4)
     out[:2] = AXIS.mixture[:, 0] @ (mass * np.array([place**2, place, 1.0]))

@@ -274,18 +274,28 @@ class _Search:
         """
         held, tried = at_best_node(self.fits, state, held), {held.groups}
         while True:
-            now = self.fits.weighed_loss((*state, held))
-            if not (others := [other for other in self._others(held) if other.groups not in tried]):
-                break
+            now, best = self.fits.weighed_loss((*state, held)), held
+            others = [other for other in self._others(held) if other.groups not in tried]
             tried.update(other.groups for other in others)
-            best = at_best_node(self.fits, state, least_of(others, lambda one: self.fits.loss((*state, one)), 1.0))
-            # Whether one recording more shares a number costs none: what fits better is as likely as it fits.
-            once, then = self.fits.losses((*state, held)), self.fits.losses((*state, best))
-            enough = held.claim.shared or clearer(once, then) >= self.clear_too
-            if not enough or not self.fits.weighed_loss((*state, best)) < now:
+            for more in (False, True):
+                if some := [other for other in others if (len(other.groups) > len(held.groups)) == more]:
+                    rival = least_of(some, lambda one: self.fits.loss((*state, one)), 1.0)
+                    rival = at_best_node(self.fits, state, rival)
+                    if self._is_worth((*state, best), (*state, rival), more=more):
+                        best = rival
+            if best is held or not self.fits.weighed_loss((*state, best)) < now:
                 break
             held = best
         return held if held.claim.shared else self._fewest(state, held)
+
+    def _is_worth(self, before: State, after: State, *, more: bool) -> bool:
+        """True if the last claim is worth `more` numbers; a recording more that shares one costs none: what fits better
+        is as likely as it fits.
+        """
+        if more and after[-1].claim.shared:
+            return self.fits.pays(before, after, self.clear)
+        once, then = self.fits.losses(before), self.fits.losses(after)
+        return clearer(once, then) >= (self.clear_too if more else 0.0)
 
     def _fewest(self, state: State, held: Claimed) -> Claimed:
         """A claim without recordings that need no number, or turned to those that have none where these are fewer."""
@@ -312,17 +322,22 @@ class _Search:
         return other if then <= now else held
 
     def _others(self, held: Claimed) -> list[Claimed]:
-        """A claim with one recording more; of a number that is shared, also with one less; of others, also the
-        recordings that have none in place of those that have. One recording at least says what is usual.
+        """A claim with one recording more, which has a number of its own; of a number that may be shared also one that
+        does, and with one recording less; of others also, last, the recordings that have none in place of those that
+        have. One recording at least says what is usual.
         """
-        every = range(self.many)
-        if held.claim.shared:
-            toggled = [tuple(j for j in every if (j in held.groups[0]) != (j == k)) for k in every]
-            return [replace(held, groups=(element,)) for element in toggled if 0 < len(element) < len(every)]
         inside = {k for group in held.groups for k in group}
-        rest = tuple((k,) for k in every if k not in inside)
-        longer = [tuple(sorted((*held.groups, item))) for item in rest]
-        return [replace(held, groups=entry) for entry in (*longer, rest) if len(entry) < len(every)]
+        outside = tuple((k,) for k in range(self.many) if k not in inside)
+        tried = [tuple(sorted((*held.groups, item))) for item in outside]
+        if held.claim.shared:
+            for group in held.groups:
+                rest = tuple(other for other in held.groups if other is not group)
+                joined = [tuple(sorted((*group, *item))) for item in outside]
+                fewer = [tuple(k for k in group if k != out) for out in group if len(group) > 1]
+                tried += [tuple(sorted((*rest, item))) for item in (*joined, *fewer)]
+        else:
+            tried.append(outside)
+        return [replace(held, groups=groups) for groups in tried if sum(map(len, groups)) < self.many]
 
     def _pruned(self, state: State) -> State:
         """The claims that are not needless beside the others; of motions that recordings were given, little is left."""

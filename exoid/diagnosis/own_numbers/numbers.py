@@ -313,24 +313,26 @@ class Spread:
         return Estimate("place", far, "m", max(0.0, far - half), far + half), toward
 
     def load(
-        self, claim: Claim, node: Node, number: float, at: int, rules: Rules
+        self, claim: Claim, node: Node, numbers: Float, mine: slice, rules: Rules
     ) -> tuple[Float, Float, str, Estimate | None]:
-        """Value (1,), half-width (1,) and unit of a load, and its place where that is known; where nobody can tell its
-        mass, of its first moment or inertia, without a place.
+        """Values (C,), half-widths (C,) and unit of loads, whose `numbers` are `mine`, and their place where that is
+        known; where nobody can tell a mass, of first moments or inertias, without a place.
         """
         place, toward = self.place(claim, node)
-        width = float(self.width[self.count + at])
-        if width <= rules.half * number or not place.value:
+        each = np.arange(self.count, len(self.width))[mine]
+        if not place.value or np.all(self.width[each] <= rules.half * numbers):
             known = place.high - place.value <= rules.half * place.value
-            return np.array([number]), np.array([width]), claim.unit, place if known else None
-        rows, far = np.r_[self.count + at, self.places[claim]], place.value
-        both, told = self.matrix[np.ix_(rows, rows)], []
+            return numbers, self.width[each], claim.unit, place if known else None
+        far, told = place.value, []
         for power, unit in ((1, "kg·m"), (2, "kg·m²")):
-            slope = np.append(far**power, power * number * far ** (power - 1) * toward)
-            half = self.critical * float(np.sqrt(max(float(slope @ both @ slope), 0.0)))
-            told.append((number * far**power, half, unit))
-        value, width, unit = least_of(told, lambda one: one[1] / one[0], 1.0)
-        return np.array([value]), np.array([width]), unit, None
+            halves = []
+            for at, number in zip(each, numbers, strict=True):
+                rows, slope = np.r_[at, self.places[claim]], np.append(1.0, power * number / far * toward) * far**power
+                square = float(slope @ self.matrix[np.ix_(rows, rows)] @ slope)
+                halves.append(self.critical * np.sqrt(max(square, 0.0)))
+            told.append((numbers * far**power, np.array(halves), unit))
+        values, widths, unit = least_of(told, lambda one: float(np.max(one[1] / one[0])), 1.0)
+        return values, widths, unit, None
 
 
 def spread_of(fits: Fits, state: State, step: Float) -> Spread:
@@ -338,24 +340,21 @@ def spread_of(fits: Fits, state: State, step: Float) -> Spread:
     left = fits.left_by(state, [step, step])
     sigma = pooled_scale(list(zip(left, fits.use, strict=True)))
     groups, numbers = grouped(state), step[fits.count :]
-    slopes = [
-        (held.claim, group, number * held.turn)
-        for (held, group), number in zip(groups, numbers, strict=True)
-        if len(held.claim.nodes) > 1
-    ]
+    placed = [held for held in state if len(held.claim.nodes) > 1]
     columns, each = [], zip(fits.rows, fits.chosen(state), fits.slopes(state, numbers), strict=True)
     for j, (rows, chosen, by_model) in enumerate(each):
-        own = [rows[:, :, fits.place[claim]] @ turn * (j in group) for claim, group, turn in slopes]
         both = rows @ chosen[:, :-1]
         both[:, :, : by_model.shape[2]] += by_model
+        here = dict(of_part(state, numbers, j))
+        own = [rows[:, :, fits.place[held.claim]] @ held.turn * here.get(held, 0.0) for held in placed]
         columns.append(np.concatenate([both, *own], axis=2))
     recordings = np.repeat([part.recording for part in fits.parts], [column.shape[1] for column in columns])
     found = covariance(
         np.concatenate(columns, axis=1), np.concatenate(left, axis=1), fits.rules.robust * sigma, recordings
     )
     first = fits.count + len(groups)
-    ends = first + np.cumsum([turn.shape[1] for _, _, turn in slopes], dtype=int)
-    places = {claim: slice(end - turn.shape[1], end) for (claim, _, turn), end in zip(slopes, ends, strict=True)}
+    ends = first + np.cumsum([0, *(len(held.node) for held in placed)])
+    places = {held.claim: slice(*both) for held, both in zip(placed, pairwise(ends), strict=True)}
     widths = found.half_widths()
     for c, (_, group) in enumerate(groups, fits.count):  # only some of the samples tell of it
         samples = sum(fits.rows[j].shape[1] for j in group)
@@ -376,7 +375,7 @@ def _told(fits: Fits, own: OwnNumbers, held: Claimed, spread: Spread, mine: slic
     for _, some in twins if not claim.common else ():
         numbers, widths = numbers + own.numbers[some], np.hypot(widths, own.widths[some])
     if len(claim.nodes) > 1:
-        numbers, widths, unit, place = spread.load(claim, held.node, float(numbers[0]), mine.start, fits.rules)
+        numbers, widths, unit, place = spread.load(claim, held.node, numbers, mine, fits.rules)
     told: dict[str, tuple[dict[str, Estimate], dict[str, Span]]] = {}
     for group, x, w in zip(held.groups, claim.usual + numbers, widths, strict=True):
         for j in (k for k in group if k not in elsewhere):
