@@ -11,7 +11,7 @@ from exoid.diagnosis.against.result import Differences
 from exoid.diagnosis.discovery import discover
 from exoid.ground.errors import RecordingError
 from exoid.measurement.bench.leg import standard_leg
-from exoid.measurement.bench.simulation import simulate_runs
+from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.symbolic import Model, Motion
 from exoid.symbolic.joints import Joint
 
@@ -67,3 +67,15 @@ def test_recordings_in_degrees_are_refused_and_no_load_of_another_sign_is_told()
     before, after = (one.recording for one in simulate_runs(2, None, standard_leg(), seed=3))
     with pytest.raises(RecordingError, match="in degrees"):
         compare_against(Model.standard(), [before], [replace(after, q=np.rad2deg(after.q))])
+
+
+def test_a_load_and_a_zero_are_told_beside_each_other():
+    """The load was granted first, at the place where it took up the zero: 2.5 kg, and a ripple for what was left."""
+    bench, leg = Bench(duration=25.0), standard_leg()
+    before = [run.recording for run in simulate_runs(3, leg=leg, bench=bench)]
+    after = [run.recording for run in simulate_runs(6, leg=leg.with_payload(2.0, 0.3), bench=bench)[3:]]
+    after = [replace(run, tau=run.tau + [1.0, 0.0], name=f"after_{run.name}") for run in after]
+    load, zero = compare_against(Model.standard(), before, after).found
+    assert (load.name, zero.name) == ("payload:shank", "torque_offset:hip")
+    assert load.change[0].value == pytest.approx(2.0, abs=0.1) and load.place.value == pytest.approx(0.3, abs=0.02)
+    assert zero.change[0].value == pytest.approx(1.0, abs=0.1)

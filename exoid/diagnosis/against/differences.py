@@ -25,7 +25,7 @@ from exoid.diagnosis.evidence.score import weigh
 from exoid.diagnosis.hypotheses.recordings import Claim, nothing
 from exoid.diagnosis.own_numbers.compared import clearer, total
 from exoid.diagnosis.own_numbers.fits import Fits
-from exoid.diagnosis.own_numbers.found import TRIED, at_best_node
+from exoid.diagnosis.own_numbers.found import TRIED, at_best_node, placed, placed_anew
 from exoid.diagnosis.own_numbers.numbers import spread_of
 from exoid.diagnosis.own_numbers.state import Claimed, State
 from exoid.diagnosis.question import own_effects
@@ -80,8 +80,8 @@ def compare_against(
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """Change that was `asked` about, as it is `held` at its `node` (S,): after, or `always`. A load taken off is one
-    that is held before.
+    """Change that was `asked` about, as it is `held` at its `node` (S,): after, or `always`; `beside` what was granted
+    before, which is placed anew with it. A load taken off is one that is held before.
 
     `share` is the part of the loss that it explains, `alike` what these data cannot distinguish from it.
     """
@@ -90,9 +90,21 @@ class _Change:
     held: State
     node: Float
     always: bool = False
+    beside: State = ()
     share: float = 0.0
     p_value: float = 1.0
     alike: tuple[str, ...] = ()
+
+    @property
+    def whole(self) -> State:
+        """All that is held with it."""
+        return (*self.beside, *self.held)
+
+    def of(self, whole: State) -> _Change:
+        """The same change among claims that were placed anew."""
+        many = len(whole) - len(self.held)
+        node = self.node if self.asked.claim is None else np.array(whole[-1].node)
+        return replace(self, beside=whole[:many], held=whole[many:], node=node)
 
 
 class BeforeAfter:
@@ -127,7 +139,8 @@ class BeforeAfter:
             if found.always or self._exceeds_scatter(granted, found):
                 granted.append(found)
                 for k, change in enumerate(granted):
-                    granted[k] = self._placed(_state([g for g in granted if g is not change]), change)
+                    rest = _state([g for g in granted if g is not change])
+                    granted[k] = change.of(placed(self.fits, (*rest, *change.held)))
             else:
                 refused.add(found.asked.name)
         return self._written(granted)
@@ -137,7 +150,7 @@ class BeforeAfter:
         fits, state = self.fits, _state(granted)
         taken = {g.asked.name for g in granted} | refused
         changes = self._promising(state, [item for item in self.questions if item.name not in taken], self.after)
-        lead = self._leading(state, changes) if changes else None
+        lead = self._leading(changes) if changes else None
         chance = None if lead is None else self._pays(granted, lead)
         if lead is None or chance is None:
             if not granted:
@@ -149,13 +162,13 @@ class BeforeAfter:
         least_share = self.rules.half * self._share(state, lead)
         near = [c for c in changes if c.asked is not lead.asked and self._share(state, c) >= least_share]
         errors = self._promising(state, [c.asked for c in (lead, *near) if c.asked.column is None], self.all)
-        fits.weigh((*state, *lead.held))
-        once, least = fits.losses(state), fits.losses((*state, *lead.held))
+        fits.weigh(lead.whole)
+        once, least = fits.losses(state), fits.losses(lead.whole)
         alike: dict[_Change, float] = {}
         for rival in (*near, *errors):
-            loss = fits.losses((*state, *rival.held))
+            loss = fits.losses(rival.whole)
             gain = total(once) - total(loss)
-            beside = total(least) - total(fits.losses((*state, *lead.held, *rival.held)))
+            beside = total(least) - total(fits.losses((*lead.whole, *rival.held)))
             lag = clearer(loss, least)
             if lag < self.rules.clear and (beside <= self.rules.half * gain or rival.asked is lead.asked):
                 alike[rival] = lag
@@ -167,22 +180,14 @@ class BeforeAfter:
         names = tuple(c.asked.name for c in rest if c is not lead)
         return replace(lead, alike=names, share=self._share(state, lead), p_value=chance)
 
-    def _leading(self, state: State, changes: Sequence[_Change]) -> _Change:
+    def _leading(self, changes: Sequence[_Change]) -> _Change:
         """The change that explains most where the fit is weighted for it."""
-        some = ascending(changes, lambda one: self.fits.loss((*state, *one.held)), 1.0)[:TRIED]
+        some = ascending(changes, lambda one: self.fits.loss(one.whole), 1.0)[:TRIED]
         for _ in range(2):  # the second time in units of what the first leaves
-            lead = least_of(some, lambda one: self.fits.weighed_loss((*state, *one.held)), 1.0)
-            self.fits.weigh((*state, *lead.held))
-            self.fits.rescale((*state, *lead.held))
-        return self._placed(state, lead)
-
-    def _placed(self, rest: State, one: _Change) -> _Change:
-        """A change at the place that fits best where the fit is weighted for it."""
-        if one.asked.claim is None:
-            return one
-        self.fits.weigh((*rest, *one.held))
-        held = at_best_node(self.fits, rest, one.held[0])
-        return replace(one, held=(held,), node=np.array(held.node))
+            lead = least_of(some, lambda one: self.fits.weighed_loss(one.whole), 1.0)
+            self.fits.weigh(lead.whole)
+            self.fits.rescale(lead.whole)
+        return lead.of(placed(self.fits, lead.whole))
 
     def _pays(self, granted: Sequence[_Change], lead: _Change) -> float | None:
         """Chance, among all that is asked, of explaining as much as a change that pays; None of one that does not.
@@ -190,9 +195,9 @@ class BeforeAfter:
         """
         fits, state, rules = self.fits, _state(granted), self.rules
         first = all(g.always for g in granted)
-        once, then = fits.losses(state), fits.losses((*state, *lead.held))
+        once, then = fits.losses(state), fits.losses(lead.whole)
         enough = total(once) - total(then) >= rules.worth_telling * total(once[len(self.before) :])
-        if not enough or not np.isfinite(fits.loss((*state, *lead.held))):
+        if not enough or not np.isfinite(fits.loss(lead.whole)):
             return None
         level = rules.level if first else rules.strict_level
         chance = 0.5 * math.erfc(clearer(once, then) / math.sqrt(2.0)) * len(self.questions)
@@ -212,7 +217,7 @@ class BeforeAfter:
 
     def _share(self, state: State, one: _Change) -> float:
         """Part of the loss that a change explains."""
-        once, then = self.fits.losses(state), self.fits.losses((*state, *one.held))
+        once, then = self.fits.losses(state), self.fits.losses(one.whole)
         return 1.0 - total(then) / max(total(once), 1e-300)
 
     def _promising(self, state: State, asked: Sequence[Asked], where: tuple[int, ...]) -> list[_Change]:
@@ -232,10 +237,10 @@ class BeforeAfter:
                 held = [at_best_node(fits, state, Claimed(claim, claim.nodes[0], (group,))) for group in groups]
                 least = least_of(held, lambda one: fits.loss((*state, one)), 1.0)
                 found.append(_Change(item, (least,), np.array(least.node), always))
-        once = fits.loss(state)
-        losses = [(fits.loss((*state, *change.held)), change) for change in found]
-        useful = [pair for pair in losses if pair[0] <= (1.0 - self.rules.least_share) * once]
-        return [change for _, change in ascending(useful, lambda pair: pair[0], 1.0)]
+        most = (1.0 - self.rules.least_share) * fits.loss(state)
+        beside = [change.of(placed_anew(fits, (*state, *change.held))) for change in found]
+        losses = [(fits.loss(change.whole), change) for change in beside]
+        return [change for _, change in ascending([p for p in losses if p[0] <= most], lambda pair: pair[0], 1.0)]
 
     def _evidence(self, state: State, draws: int = 0) -> Evidence:
         """Evidence of what is left beside a state, each recording in two halves, to weigh effects by."""

@@ -67,10 +67,11 @@ def belonging_to(now: FittedModel, rules: Rules = RULES, changed: Cuts = UNCUT, 
 def placed(fits: Fits, state: State) -> State:
     """Claims that are known to hold, each at the node that fits best where the fit is weighted for them."""
     fits.weigh(state)
-    return _placed(fits, state)
+    return placed_anew(fits, state)
 
 
-def _placed(fits: Fits, state: State) -> State:
+def placed_anew(fits: Fits, state: State) -> State:
+    """Claims that are known to hold, each at the node that fits best where the fit is weighted already."""
     for item in state:
         others = tuple(other for other in state if other is not item)
         state = tuple(at_best_node(fits, others, other) if other is item else other for other in state)
@@ -153,7 +154,7 @@ class _Search:
         """
         state = self._at_other_angles(state)
         self.fits.weigh(state)
-        state = self._with_middles(_placed(self.fits, self._pruned(state)))
+        state = self._with_middles(placed_anew(self.fits, self._pruned(state)))
         turned = tuple(self._turned_round(tuple(other for other in state if other is not item), item) for item in state)
         return state if turned == state else placed(self.fits, turned)
 
@@ -364,10 +365,10 @@ class _Search:
         recordings what was another number until a change is one from there on.
         """
         if not held.claim.everyone:
-            return _placed(self.fits, rest)
+            return placed_anew(self.fits, rest)
         alike = (held.claim.what, held.claim.place)
         turned = tuple(self._turned(item) if (item.claim.what, item.claim.place) == alike else item for item in rest)
-        rivals = [_placed(self.fits, some) for some in dict.fromkeys((rest, turned))]
+        rivals = [placed_anew(self.fits, some) for some in dict.fromkeys((rest, turned))]
         return least_of(rivals, self.fits.loss, 1.0)
 
     def _turned(self, held: Claimed) -> Claimed:
