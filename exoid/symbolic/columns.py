@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -317,14 +316,11 @@ def transformed(model: ModelStructure, term: Term, motion: Motion, linear: Float
 
 def derived_columns(model: ModelStructure, motion: Motion, shapes: Float, reference: Float) -> Callable[[Float], Float]:
     """Return a function that gives the columns (V, J, m, N) of the model's last effect alone, one that changes the
-    mechanism, at V rows of shapes (V, S), any of `shapes`; other arguments as of `columns`.
+    mechanism, at V rows of shapes (V, S), any of `shapes`, before late or filtered sensors; other arguments as of
+    `columns`.
     """
     term = model.terms[-1]
     count = len(term.effect.coefficients)
-    if any(is_transform(term) for term in model.terms):
-        first = len(model.parameters) - count
-        whole = partial(model_columns, model, motion, reference=reference)
-        return lambda some: np.swapaxes(np.stack([whole(shape)[:, :, first:] for shape in some]), 2, 3)
     bare = rigid_model(model.unpushed)  # no number that changes the mechanism moves the place of a measured force
     names = [entry.name for entry in model.shapes]
     own = [names.index(entry.name) for entry in bare.shapes]

@@ -199,10 +199,9 @@ def _unfiltered_columns(
         return lambda some: _tangent(candidate.term, one, fitted)[None]
     if candidate.change:
         return partial(_changes, candidate.term, one, fitted)
-    if candidate.term.effect.derive is not None:
-        return _derived(candidate.term, one, fitted, nodes)
-    texts = _texts(candidate, one, fitted)
-    return partial(_as_measured, candidate, one, fitted, texts) if transforms(fitted.model.terms) else texts
+    derived = candidate.term.effect.derive is not None
+    own = _derived(candidate.term, one, fitted, nodes) if derived else _texts(candidate, one, fitted)
+    return partial(_as_measured, candidate, one, fitted, own) if transforms(fitted.model.terms) else own
 
 
 def _as_measured(
