@@ -25,7 +25,7 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pa
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library, build_library
 from exoid.diagnosis.evidence.look_alikes import look_alikes
-from exoid.diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
+from exoid.diagnosis.evidence.model_error import ModelError, model_error, times_noise
 from exoid.diagnosis.evidence.ranking import agreed, mark_significant, placebo
 from exoid.diagnosis.evidence.score import Score, weigh
 from exoid.diagnosis.evidence.stretches import origins, searched_stretches
@@ -325,10 +325,10 @@ class Ranking:
     @cached_property
     def _word(self) -> str:
         """Certainty of the leader; what is left beside it is told as a multiple of the noise at its joints."""
-        first, floor = self.scores[0], np.maximum(sensor_noise(self.fitted.prepared), 1e-300)
+        first = self.scores[0]
         doubted = bool(first.caution) or not first.significant or bool(self.alike(first.name))
         trial = self.trial(first.name) or self.fitted
-        left = float(np.max((trial.evaluation_rms / floor)[list(first.candidate.joints)]))
+        left = float(times_noise(trial)[list(first.candidate.joints)].max())
         return sureness(first.p_value, first.agreement, doubted=doubted, left=left, rules=self.rules)
 
     def explained(self, selected: Sequence[np.ndarray]) -> dict[str, float]:

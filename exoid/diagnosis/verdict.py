@@ -195,7 +195,7 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
 
 def _far_where_fitted(last: FittedModel, rules: Rules) -> list[str]:
     """Return the fitted recordings far from the noise where all unseen ones are near it and the fitted ones are not."""
-    near = rules.near_noise * np.maximum(sensor_noise(last.prepared), 1e-6)
+    near = rules.near_noise * sensor_noise(last.prepared)
     if not last.verified or np.any(last.evaluation_rms > near) or np.all(last.train_rms <= near):
         return []
     return [name for name, rms in last.per_recording if np.any(rms > near)]

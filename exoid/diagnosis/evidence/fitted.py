@@ -189,10 +189,8 @@ class FittedModel:
         """Return the recordings with moments hidden in which late torques of this model show that a joint may stick."""
         delays = [sensor_delays(self.model, at) for at in self.shapes]
         done = [item.shown_later(late) for item, late in zip(self.prepared.all, delays, strict=True)]
-        if all(new is old for new, old in zip(done, self.prepared.all, strict=True)):
-            return self.prepared
-        count = len(self.prepared.train)
-        return replace(self.prepared, train=tuple(done[:count]), verify=tuple(done[count:]))
+        same = all(new is old for new, old in zip(done, self.prepared.all, strict=True))
+        return self.prepared if same else self.prepared.with_recordings(done)
 
     def judged_by_halves(self) -> FittedModel:
         """Return the model with what it leaves of each half of a recording where the values that belong to the

@@ -33,6 +33,8 @@ ALIKE = 0.05
 SHORTEST = 1.0
 """s, of a period; and of what two recordings must have in common."""
 LEAST_SAMPLES = 60
+LEAST_NOISE = 1e-6
+"""N·m; a joint without samples, or without noise, has none."""
 
 
 @dataclass(frozen=True)
@@ -52,14 +54,16 @@ class ModelError(AsJson):
 
 
 def sensor_noise(prepared: Prepared) -> Float:
-    """Return the noise floor (J,), N·m; where no drive acts, of the other joints' sensors: zero torque has no noise."""
-    return np.asarray(np.where(driven_joints(prepared.all), prepared.noise_floor, prepared.noise_floor.max()))
+    """Return the noise floor (J,), N·m, at least `LEAST_NOISE`; where no drive acts, of the other joints' sensors: zero
+    torque has no noise.
+    """
+    floor = np.where(driven_joints(prepared.all), prepared.noise_floor, prepared.noise_floor.max())
+    return np.asarray(np.maximum(floor, LEAST_NOISE))
 
 
 def times_noise(last: FittedModel) -> Float:
-    """Error of a model at each joint (J,) as a multiple of the noise floor; 0 where there is no noise."""
-    floor = sensor_noise(last.prepared)
-    return np.asarray(np.where(floor > 0.0, last.evaluation_rms / np.where(floor > 0.0, floor, 1.0), 0.0))
+    """Error of a model at each joint (J,) as a multiple of the noise floor."""
+    return np.asarray(last.evaluation_rms / sensor_noise(last.prepared))
 
 
 def is_near_noise(last: FittedModel, rules: Rules = RULES) -> bool:
@@ -81,10 +85,8 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     again = repeats(last)
     sensors, floor = sensor_noise(last.prepared), noise_with(again, last.prepared)
     error = last.evaluation_rms
-    # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
-    times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
+    times, beyond = error / floor, error / sensors
     j = index_of_greatest(times)
-    beyond = np.where(error > 0.0, error / np.maximum(sensors, 1e-6), 0.0)
     if times[j] <= rules.near_noise:
         worst = index_of_greatest(beyond)
         if again is None or beyond[worst] <= rules.near_noise:

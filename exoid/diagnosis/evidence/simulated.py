@@ -34,8 +34,7 @@ def made_by_itself(fitted: FittedModel, floor: Float, seed: int) -> FittedModel:
     rng = np.random.default_rng([seed, len(fitted.residuals)])
     pairs = zip(fitted.prepared.all, fitted.shapes, strict=True)
     made = [_made(fitted, item, shape, np.maximum(floor, 1e-12), rng) for item, shape in pairs]
-    count = len(fitted.prepared.train)
-    prepared = replace(fitted.prepared, train=tuple(made[:count]), verify=tuple(made[count:]))
+    prepared = fitted.prepared.with_recordings(made)
     fit = identify(fitted.model, prepared.train, optimisers=(), shape=fitted.fit.start)
     return replace(fitted, fit=fit).on(prepared)
 

@@ -101,8 +101,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
 
 def _share_left(after: Float, before: Float, noise: Float) -> float:
     """Return the share that is left of squared errors (J,) beyond their `noise`, each in units of that, together."""
-    least = np.maximum(noise, 1e-6)
-    rest, whole = (float(np.sum(np.maximum((rms / least) ** 2 - 1.0, 0.0))) for rms in (after, before))
+    rest, whole = (float(np.sum(np.maximum((rms / noise) ** 2 - 1.0, 0.0))) for rms in (after, before))
     return rest / whole if whole > 0.0 else 1.0
 
 

@@ -35,7 +35,7 @@ def least_left(last: FittedModel) -> Float:
             _, _, least = best_split(own[None], own[None], block.rate)
             square[j] += least
             count[j] += np.count_nonzero(used)
-    return np.asarray(np.sqrt(square / np.maximum(count, 1)) / np.maximum(sensor_noise(last.prepared), 1e-6))
+    return np.asarray(np.sqrt(square / np.maximum(count, 1)) / sensor_noise(last.prepared))
 
 
 def best_split(columns: Float, weighted: Float, rate: float) -> tuple[float, int, float]:

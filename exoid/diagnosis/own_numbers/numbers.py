@@ -143,10 +143,9 @@ class OwnNumbers:
         friction that reverses late looks like one.
         """
         found = replace(self.now, fit=replace(self.now.fit, linear=self.linear))
-        judged, count = found.on(self.applied(prepared)).judged_anew(), len(prepared.train)
-        pairs = zip(prepared.all, judged.all, strict=True)
+        pairs = zip(prepared.all, found.on(self.applied(prepared)).judged_anew().all, strict=True)
         every = [self._moved(item, unseen=False).with_spikes(other.spikes) for item, other in pairs]
-        return replace(prepared, train=tuple(every[:count]), verify=tuple(every[count:]))
+        return prepared.with_recordings(every)
 
     def applied(self, prepared: Prepared) -> Prepared:
         """The recordings without the torque that belongs to them alone; of held-out ones each half without what the

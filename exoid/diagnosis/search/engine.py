@@ -18,7 +18,7 @@ from exoid.diagnosis.evidence.ranking import agreed, weigh_all
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.stability import Splits
 from exoid.diagnosis.search.choice import choose, refitted, shortlist
-from exoid.diagnosis.search.context import FEW, SearchContext
+from exoid.diagnosis.search.context import FEW, SearchContext, as_fitted
 from exoid.diagnosis.search.doubt import Objection, on_bound, undetermined
 from exoid.diagnosis.search.state import Extension, State
 from exoid.diagnosis.search.take_back import left_over, take_back
@@ -137,6 +137,8 @@ def exchange(context: SearchContext, state: State) -> State:
         if not helping:
             continue
         near, alike = shortlist(context, without, evidence, helping, {})
+        if all(s.name != score.name for s in near):  # linearised, a late torque may show little
+            near.insert(1, as_fitted(score, state.last))
         if [s.name for s in near] == [score.name]:
             state = _relabelled(state, score, (), ())
         elif near[0].name == score.name and len(state.accepted) > FEW:  # of so many each that leads linearised stays

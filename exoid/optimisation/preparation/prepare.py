@@ -85,6 +85,11 @@ class Prepared:
         """Training recordings, then verification recordings."""
         return self.train + self.verify
 
+    def with_recordings(self, recordings: Sequence[PreparedRecording]) -> Prepared:
+        """The same with other recordings in place of all, training ones first."""
+        count = len(self.train)
+        return replace(self, train=tuple(recordings[:count]), verify=tuple(recordings[count:]))
+
     @property
     def noise_is_known(self) -> bool:
         """True if what noise the torques hold is that of their sensors: of filtered ones it is no measure."""
@@ -179,9 +184,9 @@ def judged_anew(prepared: Prepared, torques: Sequence[Float]) -> Prepared:
     done = [item.beside(known) for item, known in zip(prepared.all, torques, strict=True)]
     if all(np.array_equal(entry.hidden, old.hidden) for entry, old in zip(done, prepared.all, strict=True)):
         return prepared
-    count, kept = len(prepared.train), [finding for finding in prepared.findings if finding.check != SPIKES]
+    kept = [finding for finding in prepared.findings if finding.check != SPIKES]
     findings = (*kept, *_outlier_findings(done, names(prepared.joints)))
-    return replace(prepared, train=tuple(done[:count]), verify=tuple(done[count:]), findings=findings)
+    return replace(prepared.with_recordings(done), findings=findings)
 
 
 def _check_cutoff(cutoff: float | None, even: Sequence[UniformSignals]) -> None:
