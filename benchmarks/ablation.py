@@ -83,6 +83,7 @@ def _switches() -> Iterator[Switch]:
     yield Switch("search.engine", "_holds_any", _says(False))
     yield Switch("search.take_back", "proxies", _says(frozenset()))
     yield Switch("search.take_back", "_superseded", _says(set()))
+    yield Switch("evidence.proxies", "_bumps", _says([]))
     yield Switch("evidence.curves", "may_move", _says(False))
     yield Switch("evidence.ranking", "clearly_helps", _says(True))
     yield Switch("evidence.model_error", "repeats", _says(None))

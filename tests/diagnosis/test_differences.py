@@ -74,7 +74,7 @@ def test_a_load_and_a_zero_are_told_beside_each_other():
     bench, leg = Bench(duration=25.0), standard_leg()
     before = [run.recording for run in simulate_runs(3, leg=leg, bench=bench)]
     after = [run.recording for run in simulate_runs(6, leg=leg.with_payload(2.0, 0.3), bench=bench)[3:]]
-    after = [replace(run, tau=run.tau + [1.0, 0.0], name=f"after_{run.name}") for run in after]
+    after = [replace(run, tau=run.tau + np.array([1.0, 0.0]), name=f"after_{run.name}") for run in after]
     load, zero = compare_against(Model.standard(), before, after).found
     assert (load.name, zero.name) == ("payload:shank", "torque_offset:hip")
     assert load.change[0].value == pytest.approx(2.0, abs=0.1) and load.place.value == pytest.approx(0.3, abs=0.02)

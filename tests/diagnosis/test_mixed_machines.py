@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis.discovery import discover
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.proxies import _bumps
 from exoid.diagnosis.hypotheses.readings import link_length
 from exoid.ground.errors import ExpressionError
 from exoid.measurement.bench.simulation import Bench, BenchError, run_bench
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
 from exoid.symbolic import Coefficient, Effect, Shape
 from exoid.symbolic.effect_catalogue import catalogue
 from exoid.symbolic.joints import Joint, Origin
@@ -104,3 +108,13 @@ def test_a_length_that_enters_squared_is_not_tried_as_a_number():
         assert entry.joints == tried
         for joint in tried:  # refused where the torque is not linear
             assert machine.with_effect(entry, joint).columns(motion).any()
+
+
+def test_curves_compete_with_an_effect_at_every_joint():
+    """Bumps, in angles and positions, against a term with many numbers: their units are those of the joints."""
+    model, runs = recordings_of(1)
+    now = fitted_model(identify(model, prepare(model, runs).train, optimisers=()), prepare(model, runs))
+    for joint in model.joints:
+        bumps = _bumps(now, joint.name)
+        assert {one.term.joint for one in bumps} == {joint.name} and len(bumps) == len(model.joints) + 1
+        assert {one.term.parameters[0].unit for one in bumps} == {joint.unit("tau")}

@@ -113,13 +113,10 @@ def test_take_back_leaves_the_right_term_alone(plain):
 @pytest.mark.parametrize("order", [1, -1])
 def test_of_terms_that_a_curve_beats_the_weaker_one_goes_first(order, plain, monkeypatch):
     """Whichever was accepted first: what imitates a true effect is beaten by what that effect leaves as well."""
-    winner, asked = SimpleNamespace(supersedes=lambda columns: False), []
-
-    def beaten(now, evidence, joint, term):
-        asked.append(joint)
-        return winner if len(asked) > 1 else None  # the first is both together
-
-    monkeypatch.setattr(module, "beaten", beaten)
+    winner = SimpleNamespace(supersedes=lambda columns: False)
+    monkeypatch.setattr(
+        module, "beaten", lambda now, evidence, joint, term, numbers, several: None if several else winner
+    )
     state = state_with(plain, *["stribeck:hip", "viscous_cubic:hip"][::order])
     assert take_back(plain, state).names == ("stribeck:hip",)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
+from benchmarks.arena.cases import draw
 from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.model_error import Repeats, model_error
@@ -167,3 +168,11 @@ def test_a_zero_that_is_far_off_is_still_found(joint, names):
     (one,) = found.accepted
     assert {one.name, *one.look_alikes} >= names
 
+
+
+@pytest.mark.slow
+def test_a_bump_that_no_catalogue_has_is_no_ripple_with_a_stop_beside_it():
+    """Four effects described it as well as its three numbers do."""
+    task = draw("equations/1j@0.5,200/angle_bump:axis/2").task
+    found = discover(task.model, task.recordings[:3], task.recordings[3:])
+    assert found.verdict == "unexplained" and not found.accepted

@@ -56,7 +56,7 @@ def test_an_encoder_with_coarse_steps_makes_no_drive_soft(seed):
 def test_zeros_of_two_encoders_are_no_mass_off_the_thighs_axis():
     """That and a tilt came nearest at first, and stayed: -0.57 kg·m and -4 degrees, where both explained 98 %."""
     hip, knee = np.deg2rad([12.0, -8.0])
-    runs = [replace(run, q=run.q + [hip, knee]) for run in runs_of()]
+    runs = [replace(run, q=run.q + np.array([hip, knee])) for run in runs_of()]
     found = {item.name: item for item in discover(Model.standard(), runs[:3], runs[3:]).accepted}
     assert found.keys() == {"gravity_tilt", "com_offset_shank"}
     assert found["gravity_tilt"].parameters["tilt"].value == pytest.approx(-hip, abs=2e-3)

@@ -71,7 +71,8 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
         evidence = context.evidence(extension, draws=0)
         fitted = [as_fitted(score, state.last) for score in taken]
         columns = [columns_at(score.candidate, score.shape, extension.fitted) for score in fitted]
-        return _Without(names, extension, evidence, tuple(stacked(columns, len(evidence.sigma))))
+        numbers = sum(score.candidate.numbers for score in taken)
+        return _Without(names, extension, evidence, tuple(stacked(columns, len(evidence.sigma))), numbers)
 
     for joint in state.last.fitted.model.joint_names:
         here = [n for n, s in scores.items() if s.candidate.term.joint == joint and n in bent]
@@ -79,7 +80,8 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
         single = [n for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
         for item in _in_turn(without, here, single):
             context.tick(0.9, f"comparing {' and '.join(item.names)} with a curve without physics")
-            winner = beaten(item.extension.fitted, item.evidence, joint, item.columns)
+            now, several = item.extension.fitted, len(item.names) > 1
+            winner = beaten(now, item.evidence, joint, item.columns, item.numbers, several=several)
             if winner is not None:
                 return frozenset({*item.names, *_superseded(context, item.extension, item.evidence, winner, joint)})
     return frozenset()
@@ -108,6 +110,7 @@ class _Without:
     extension: Extension
     evidence: Evidence
     columns: tuple[Columns, ...]
+    numbers: int
 
 
 def _superseded(
