@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 from synthetic import CUTOFF, recording, search
 
+from exoid.diagnosis.evidence.candidates import candidate_columns
 from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.gram import inverse_of
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.look_alikes import leaves_joints
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.diagnosis.search.context import SearchContext
+from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import CutoffChoice, Prepared
 from exoid.symbolic.model import Model
 
@@ -237,3 +240,20 @@ def test_a_look_alike_takes_as_much_off_the_error_of_the_same_joints():
     assert leaves_joints(at_knee, own, without, hip, RULES)
     assert not leaves_joints(at_both, own, without, hip, replace(RULES, clear=1e9))
     assert not leaves_joints(own, own, without, hip, RULES)
+
+
+@pytest.mark.parametrize("name", ["com_offset_shank", "cuff_interaction", "stribeck:hip", "torque_ripple:knee"])
+def test_columns_beside_a_late_sensor_are_those_of_the_whole_model(name):
+    model = Model.standard().with_effect("load_friction:hip").with_effect("time_delay:knee")
+    made = tuple(recording(f"run_{k}", k, {"time_delay:knee": ([], [0.03])}) for k in range(2))
+    prepared = Prepared(made, (), CutoffChoice(CUTOFF, "fixed"), np.full(2, 0.01), np.zeros(2), 0.0)
+    fitted = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+    candidate = build_library(model, prepared.all).find(name)
+    nodes, (one, _) = candidate.nodes[0][[0, -1]], prepared.all
+    longer = model.with_effect(candidate.term.effect, candidate.term.joint)
+    many, own = len(model.parameters), len(longer.parameters) - len(model.parameters)
+    numbers = np.append(fitted.linear, np.zeros(own))
+    for node, columns in zip(nodes, candidate_columns(candidate, nodes, one, fitted).values, strict=True):
+        whole = longer.columns(one.motion, np.append(fitted.shape, node), numbers)[:, :, many:]
+        expected = one.smooth_columns(whole)[list(candidate.joints)]
+        np.testing.assert_allclose(columns, expected, atol=1e-9 * np.abs(expected).max())
