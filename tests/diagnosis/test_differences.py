@@ -79,3 +79,17 @@ def test_a_load_and_a_zero_are_told_beside_each_other():
     assert (load.name, zero.name) == ("payload:shank", "torque_offset:hip")
     assert load.change[0].value == pytest.approx(2.0, abs=0.1) and load.place.value == pytest.approx(0.3, abs=0.02)
     assert zero.change[0].value == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("loads", "gain"), [({3: 1.5}, 1.2), ({1: 1.0, 3: 2.5}, 1.0)])
+def test_a_gain_of_all_torques_and_loads_of_two_sizes_are_told_of_a_leg(loads, gain):
+    """Two gains and a load were three ways, and so none; of two loads one mass was told, with a gain and zeros."""
+    legs = [standard_leg().with_payload(loads[k], 0.3) if k in loads else standard_leg() for k in range(5)]
+    runs = [simulate_runs(k + 1, leg=leg, bench=Bench(duration=25.0))[k].recording for k, leg in enumerate(legs)]
+    runs[1] = replace(runs[1], tau=gain * runs[1].tau)
+    found = discover(Model.standard(), runs[:4], runs[4])
+    told = {(item.what, item.joint): {k: e.value for k, e in item.values.items()} for item in found.of_recordings}
+    expected = {("torque_gain", None): pytest.approx({"run_1": gain}, abs=0.01)} if gain != 1.0 else {}
+    expected["carried_load", "shank"] = pytest.approx({f"run_{k}": mass for k, mass in loads.items()}, abs=0.06)
+    assert found.verdict == "adequate" and told == expected

@@ -14,17 +14,23 @@ BOUNDS = (-0.95, 19.0)
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
-    """Return another gain of each torque, a factor to the others' gain."""
+    """Return another gain of each torque, and one of all of them, a factor to the others' gain."""
+    several = Claim("torque_gain", None, "1", _of_all, BOUNDS, 1.0, factor=True)
     return tuple(
         Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), BOUNDS, 1.0, factor=True, drive=True)
         for k, joint in enumerate(model.joints)
-    )
+    ) + (several,) * (len(model.joints) > 1)
 
 
 def _of(joint: int, seen: Seen) -> Float:
     return seen.torque[joint]
 
 
+def _of_all(seen: Seen) -> Float:
+    return seen.torque[:, :, None]
+
+
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the gains {recording: words}."""
-    return f"{than_usual(f'{claim.place} torque is told with another gain', when)}: {each_said(values)} times"
+    what = f"{claim.place} torque is" if claim.place else "torques are"
+    return f"{than_usual(f'{what} told with another gain', when)}: {each_said(values)} times"
