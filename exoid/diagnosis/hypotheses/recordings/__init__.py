@@ -86,9 +86,9 @@ class Claim:
     read. Friction that grows with the load feels it where it is `borne` by the drives; what is of a `drive`, or of its
     sensor, no joint without one has. `everyone`: each recording has one of its own; `common`: all have the same;
     otherwise those have one that differ from the others, and may have the same where it is `shared`; it may begin
-    within a recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or itself, must beat it where all
-    have the same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how many of
-    another unit its own is, in which it is said.
+    within a recording, unless it is of the `whole`. What is `unlike` a hypothesis, another or itself, must beat it
+    where all have the same number of that, which is the machine's. `of` is what else its sentence tells, `shown` how
+    many of another unit its own is, in which it is said.
     """
 
     what: str
