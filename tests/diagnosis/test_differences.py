@@ -27,6 +27,7 @@ from exoid.symbolic.joints import Joint
         (325, "load", True),  # friction that grows with the load bears that of a recording, too
         (331, "load from then on", True),
         (339, "fast clock", True),  # as if something pushed
+        (69, "encoder", False),  # as if a torque sensor had another zero
     ],
 )
 def test_what_differs_and_the_effect_that_is_missing_are_told_together(seed, kind, effect):

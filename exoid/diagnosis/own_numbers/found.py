@@ -159,11 +159,11 @@ class _Search:
         return state if turned == state else placed(self.fits, turned)
 
     def _at_other_angles(self, state: State) -> State:
-        """The claims with the zero of an encoder in place of those of several torque sensors, where these explain no
-        more: it shifts the torques of all joints that weigh, and has one number.
+        """The claims with the zero of an encoder in place of those of torque sensors: of several where these explain no
+        more, since it shifts the torques of all joints that weigh, and has one number; of one where they explain less.
         """
         rest = tuple(item for item in state if not item.claim.everyone)
-        if len(state) - len(rest) < 2 or len(rest) >= self.ways:
+        if len(rest) == len(state) or len(rest) >= self.ways:
             return state
         self.fits.weigh(rest)
         turned = [(*rest, self._grown(rest, held)) for held in self._promising(rest) if held.claim.turns is not None]
@@ -171,7 +171,11 @@ class _Search:
             return state
         rival = least_of(turned, self.fits.weighed_loss, 1.0)
         self.fits.weigh(rival)
-        return rival if np.isfinite(self.fits.loss(rival)) and not self.fits.pays(rival, state, self.clear) else state
+        if len(state) - len(rest) > 1:
+            better = not self.fits.pays(rival, state, self.clear)
+        else:
+            better = total(self.fits.losses(rival)) < total(self.fits.losses(state))
+        return rival if better and np.isfinite(self.fits.loss(rival)) else state
 
     def _of_everyone(self, state: State) -> State:
         """The state with whatever pays of what every recording has. What one joint's zeros leave hides those
