@@ -100,7 +100,7 @@ class _Change:
         """All that is held with it."""
         return (*self.beside, *self.held)
 
-    def of(self, whole: State) -> _Change:
+    def among(self, whole: State) -> _Change:
         """The same change among claims that were placed anew."""
         many = len(whole) - len(self.held)
         node = self.node if self.asked.claim is None else np.array(whole[-1].node)
@@ -140,7 +140,7 @@ class BeforeAfter:
                 granted.append(found)
                 for k, change in enumerate(granted):
                     rest = _state([g for g in granted if g is not change])
-                    granted[k] = change.of(placed(self.fits, (*rest, *change.held)))
+                    granted[k] = change.among(placed(self.fits, (*rest, *change.held)))
             else:
                 refused.add(found.asked.name)
         return self._written(granted)
@@ -187,7 +187,7 @@ class BeforeAfter:
             lead = least_of(some, lambda one: self.fits.weighed_loss(one.whole), 1.0)
             self.fits.weigh(lead.whole)
             self.fits.rescale(lead.whole)
-        return lead.of(placed(self.fits, lead.whole))
+        return lead.among(placed(self.fits, lead.whole))
 
     def _pays(self, granted: Sequence[_Change], lead: _Change) -> float | None:
         """Chance, among all that is asked, of explaining as much as a change that pays; None of one that does not.
@@ -238,7 +238,7 @@ class BeforeAfter:
                 least = least_of(held, lambda one: fits.loss((*state, one)), 1.0)
                 found.append(_Change(item, (least,), np.array(least.node), always))
         most = (1.0 - self.rules.least_share) * fits.loss(state)
-        beside = [change.of(placed_anew(fits, (*state, *change.held))) for change in found]
+        beside = [change.among(placed_anew(fits, (*state, *change.held))) for change in found]
         losses = [(fits.loss(change.whole), change) for change in beside]
         return [change for _, change in ascending([p for p in losses if p[0] <= most], lambda pair: pair[0], 1.0)]
 

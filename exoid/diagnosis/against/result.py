@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.diagnosis.against.questions import Acting
+from exoid.diagnosis.evidence.model_error import LEAST_NOISE
 from exoid.diagnosis.rules import RULES
 from exoid.ground.figures import figure_style, new_figure
 from exoid.ground.frames import pandas
@@ -128,7 +129,7 @@ class Differences(AsJson):
         grown = [
             f"the error of {the_joint(joint)} grew from {digits(before)} to {digits(after)} {unit}"
             for joint, before, after, unit in each
-            if after > RULES.near_noise * max(before, 1e-6)
+            if after > RULES.near_noise * max(before, LEAST_NOISE)
         ]
         beside = ", and ".join(grown)
         if not self.found and not beside:

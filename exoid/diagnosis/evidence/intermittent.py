@@ -24,7 +24,7 @@ from exoid.diagnosis.evidence.columns import stacked
 from exoid.diagnosis.evidence.curves import splines_along
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gram import numbers_of
-from exoid.diagnosis.evidence.model_error import is_near_noise
+from exoid.diagnosis.evidence.model_error import LEAST_NOISE, is_near_noise
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_greatest, index_of_least
@@ -122,7 +122,7 @@ def intermittent(base: FittedModel, rules: Rules = RULES) -> Intermittent | None
     """
     if is_near_noise(base, rules):
         return None
-    sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
+    sample = np.maximum(torque_noise(base.prepared.all), LEAST_NOISE)
     views = [_view(base, index, sample) for index in range(len(base.prepared.all))]
     parts = [windows_of(v.columns, v.tau, v.recording.motion.q, v.recording.motion.dq, v.seen, v.length) for v in views]
     windows = joined(parts)

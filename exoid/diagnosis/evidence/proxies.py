@@ -63,9 +63,8 @@ def beaten(
     else is left adds nearly as much to a curve as it gains alone. `now` and `evidence` are of the model without the
     term.
     """
-    bumps = [candidate for candidate in _bumps(now, joint) if candidate.numbers < numbers]
     curves = _better_curves(now, evidence, joint, term)
-    better = itertools.chain(curves, _better_bumps(now, evidence, bumps, term, several=several))
+    better = itertools.chain(curves, _better_bumps(now, evidence, joint, term, numbers, several=several))
     return next((curve for curve in better if curve.supersedes(term)), None)
 
 
@@ -87,12 +86,16 @@ def _better_curves(now: FittedModel, evidence: Evidence, joint: str, term: Seque
 
 
 def _better_bumps(
-    now: FittedModel, evidence: Evidence, bumps: Sequence[Candidate], term: Sequence[Columns], *, several: bool
+    now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int, *, several: bool
 ) -> Iterator[BetterCurve]:
-    """Yield the single bumps that explain clearly more than a term, or than `several` practically as much."""
+    """Yield the single bumps of fewer `numbers` that explain clearly more than a term, or than `several` practically as
+    much.
+    """
     common, rules = CurveData((evidence,)), evidence.rules
     least = (rules.practically if several else 1.0 / rules.most) * common.share(term)
-    for candidate in bumps:
+    for candidate in _bumps(now, joint):
+        if candidate.numbers >= numbers:
+            continue
         pairs = zip(candidate.nodes, now.prepared.all, strict=True)
         columns = [candidate_columns(candidate, nodes, item, now) for nodes, item in pairs]
         score = weigh(evidence, candidate, columns)

@@ -141,7 +141,9 @@ def hypotheses() -> dict[str, ModuleType]:
 def claims_of(model: Model, driven: Bool | None = None, columns: Sequence[StateColumn] = ()) -> tuple[Claim, ...]:
     """Claims of all hypotheses for a machine whose joints `driven` (J,) have a drive (None: all), and its columns."""
     found: Sequence[Sequence[Claim]] = [hypothesis.claims(model, columns) for hypothesis in hypotheses().values()]
-    passive = {model.joint_names[k] for k in np.flatnonzero(~driven)} if driven is not None else set()
+    passive: set[str | None] = {model.joint_names[k] for k in np.flatnonzero(~driven)} if driven is not None else set()
+    if len(model.joints) - len(passive) < 2:  # what all drives have is what the only one has
+        passive.add(None)
     return tuple(claim for some in found for claim in some if not (claim.drive and claim.place in passive))
 
 

@@ -15,11 +15,11 @@ BOUNDS = (-0.95, 19.0)
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
     """Return another gain of each torque, and one of all of them, a factor to the others' gain."""
-    several = Claim("torque_gain", None, "1", _of_all, BOUNDS, 1.0, factor=True)
+    places = [(joint.name, at_joint(k, partial(_of, k))) for k, joint in enumerate(model.joints)]
     return tuple(
-        Claim("torque_gain", joint.name, "1", at_joint(k, partial(_of, k)), BOUNDS, 1.0, factor=True, drive=True)
-        for k, joint in enumerate(model.joints)
-    ) + (several,) * (len(model.joints) > 1)
+        Claim("torque_gain", place, "1", pieces, BOUNDS, 1.0, factor=True, drive=True)
+        for place, pieces in (*places, (None, _of_all))
+    )
 
 
 def _of(joint: int, seen: Seen) -> Float:
