@@ -33,7 +33,7 @@ from benchmarks.arena.__main__ import answered  # noqa: E402 - the repository mu
 from benchmarks.arena.cases import names  # noqa: E402
 from benchmarks.arena.referee import right  # noqa: E402
 from benchmarks.baselines import read_lines  # noqa: E402
-from exoid.diagnosis import doubts  # noqa: E402
+from exoid.diagnosis.hypotheses import channels  # noqa: E402
 from exoid.ground.folder import names_in  # noqa: E402
 
 Line = dict[str, Any]
@@ -96,8 +96,8 @@ def _switches() -> Iterator[Switch]:
     yield Switch("evidence.swinging", "swinging", _says(None))
     yield Switch("evidence.apart", "odd_ones", _says(()))
     yield Switch("evidence.intermittent", "intermittent", _says(None))
-    for name in names_in(doubts):
-        yield Switch(f"doubts.{name}", "doubt", _says(None))
+    for name in names_in(channels):
+        yield Switch(f"hypotheses.channels.{name}", "doubt", _says(None))
     yield Switch("verdict", "_far_where_fitted", _says([]))
     yield Switch("verdict", "within_filter_error", _says(None))
 
