@@ -79,12 +79,17 @@ def seconds(checkout: Path, code: str, files: str) -> tuple[float, ...]:
     """Return the time in s, by the clock and of the processor, that `code` takes from its own beginning on."""
     # Byte code is kept, as where people use it: otherwise every import compiles its text again.
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": ""}
-    whole = f"{PREPARE}{code}\nprint(*(b - a for a, b in zip(began, now())))"
+    if not (checkout / "exoid" / "symbolic").is_dir():  # until November 2026 packages lay at the top
+        code = code.replace("from exoid.", "from ").replace("import exoid.", "import ")
+    whole = f"{PREPARE}{code}\nprint(read_recording.__code__.co_filename, *(b - a for a, b in zip(began, now())))"
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", whole, files],
         cwd=checkout, env=environment, check=True, capture_output=True, text=True,
     )  # fmt: skip
-    return tuple(float(word) for word in done.stdout.split()[-2:])
+    file, *times = done.stdout.split()[-3:]
+    if not Path(file).is_relative_to(checkout.resolve()):  # an installed package comes first where a folder is missing
+        raise SystemExit(f"{file} was measured, which is not of {checkout}")
+    return tuple(map(float, times))
 
 
 def main() -> None:

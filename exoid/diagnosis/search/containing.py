@@ -23,10 +23,14 @@ def _on_fitted(evidence: Evidence, parts: Sequence[Columns]) -> Iterator[tuple[F
     """Yield at every node the columns (samples, m) on fitted recordings as they are, and what is new in them beside the
     present model.
     """
-    basis = evidence.basis
     for node in range(len(parts[0].values)):
-        whole = np.concatenate([c.full(node, len(b.use))[b.use] for c, b in zip(parts, evidence.train, strict=False)])
-        yield whole, whole - basis @ (basis.T @ whole)
+        yield _beside(evidence, evidence.basis, parts, node)
+
+
+def _beside(evidence: Evidence, basis: Float, parts: Sequence[Columns], node: int) -> tuple[Float, Float]:
+    """Columns of a node on the recordings of `parts`, or those fitted, as they are, and what is new beside `basis`."""
+    whole = np.concatenate([c.full(node, len(b.use))[b.use] for c, b in zip(parts, evidence.train, strict=False)])
+    return whole, whole - basis @ (basis.T @ whole)
 
 
 def is_within(context: SearchContext, extension: Extension, evidence: Evidence, rival: Candidate, plain: Score) -> bool:
@@ -60,6 +64,18 @@ def contains(
     torque, nodes = wanted @ np.asarray(plain.coefficients), rival.nodes
     ends = (nodes == nodes.min(axis=1, keepdims=True)) | (nodes == nodes.max(axis=1, keepdims=True))
     limits = np.where(ends.any(axis=(0, 2)), limit, EXACT) * np.sum(torque**2)
-    each = _on_fitted(evidence, context.library.columns(rival, extension.fitted))
-    rests = (torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0] for _, own in each)
-    return any(np.sum(rest**2) <= most for rest, most in zip(rests, limits, strict=False))
+    parts = context.library.columns(rival, extension.fitted)
+    # What numbers of its own leave on the first recording is no more than what common ones leave there: mostly enough.
+    first = int(np.count_nonzero(evidence.train[0].use))
+    alone = np.linalg.qr(evidence.basis[:first])[0]
+
+    def left(node: int, basis: Float, some: Sequence[Columns], torque: Float) -> float:
+        """Square left of a torque by the columns of a node and those of the model."""
+        _, own = _beside(evidence, basis, some, node)
+        torque = torque - basis @ (basis.T @ torque)
+        return float(np.sum((torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]) ** 2))
+
+    return any(
+        left(node, alone, parts[:1], torque[:first]) <= most and left(node, evidence.basis, parts, torque) <= most
+        for node, most in enumerate(limits)
+    )
