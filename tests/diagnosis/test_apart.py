@@ -103,6 +103,7 @@ def test_numbers_of_its_own_explain_another_machine_and_no_stuck_torque():
         assert list(out) == [4] and (explained > 0.9) is known
 
 
+@pytest.mark.slow
 def test_the_others_are_answered_and_it_is_named(runs):
     found = discover(AXIS, [runs[0], stuck(runs[1]), *runs[2:4]], runs[4])
     assert found.verdict == "missing" and [one.effect for one in found.accepted] == ["viscous_quadratic"]

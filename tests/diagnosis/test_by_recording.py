@@ -181,6 +181,7 @@ def test_zeros_that_hide_a_stop_are_found_with_it_at_one_place():
     assert told(found)["sensor_zero"] == pytest.approx({f"run_{k}": z for k, z in enumerate(zeros)}, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", ["torque_offset", "joint_spring"])
 def test_a_zero_that_jumps_is_told_beside_an_effect_with_a_constant(effect):
     """Blocks of a part are as long as each other: short ones made any loss look as if it scattered."""
@@ -202,6 +203,7 @@ def test_blocks_of_a_part_are_as_long_as_each_other():
     assert np.array_equal(one.starts(2.0), one.starts_within(2.0, 0, len(one.kept)))
 
 
+@pytest.mark.slow
 def test_a_late_torque_is_told_beside_an_effect_and_not_as_another_friction():
     model = AXIS.with_effect("viscous_quadratic:axis")
     runs = [drive(k, [*NUMBERS, 0.4], model=model) for k in range(5)]
@@ -249,6 +251,7 @@ def test_another_gain_and_another_level_of_friction():
     assert stiff.verdict == "adequate" and told(stiff) == {"friction_level": pytest.approx({"run_4": 1.5}, abs=0.04)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gain", [0.1, 0.5, 10.0])
 def test_a_range_that_was_switched_is_a_gain_beside_an_effect_too(gain):
     """Nothing that takes more numbers is told, though it leaves as little."""
@@ -259,6 +262,7 @@ def test_a_range_that_was_switched_is_a_gain_beside_an_effect_too(gain):
     assert told(found) == {"torque_gain": pytest.approx({"run_1": gain}, rel=0.05)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seconds", [0.3, -0.7])
 def test_torques_of_a_logger_started_by_hand_are_told_to_the_millisecond(seconds):
     model = AXIS.with_effect("viscous_quadratic:axis")
@@ -342,6 +346,7 @@ def test_friction_of_one_recording_is_not_laid_upon_its_temperature():
     assert set(told(discover(AXIS, [*usual[:3], stiff], usual[3]))) == {"friction_level"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gained", "gain"), [((0, 1, 2), 0.85), ((0, 2), 1.25), ((1, 2, 3), 1.25)])
 def test_a_gain_that_most_recordings_have_is_told_of_them_though_it_spoils_the_numbers_of_the_machine(gained, gain):
     """Both joints' torques share numbers: which of the recordings have it is known."""
@@ -529,6 +534,7 @@ def cart(k, bodies):
     return Recording(f"run_{k}", t, q.T + 1e-5 * rng.standard_normal(q.T.shape), (tau + noise).T, joints=CART.joints)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("away", "link"), [(0.2, "pole"), (0.0, "cart")])
 def test_a_load_in_space_is_weighed_and_placed_where_its_place_shows(away, link):
     runs = [cart(k, {away: 0.7} if k in (1, 3) else {}) for k in range(4)]
@@ -549,6 +555,7 @@ def test_of_an_arm_the_load_is_asked_at_its_end():
     assert asked == ["j3"]
 
 
+@pytest.mark.slow
 def test_a_load_is_told_beside_a_spring_that_explains_as_much():
     def pulled(k):
         swung = drive(k, NUMBERS + (1.2 * np.array([0.09, 0.3, 0.0, 0.0]) if k in (0, 3) else 0.0))
@@ -618,6 +625,7 @@ def test_which_recordings_are_usual_is_asked_again_beside_what_was_found_later()
     assert values["carried_load"] == pytest.approx({"run_0": 1.5, "run_3": 1.5}, abs=0.02)
 
 
+@pytest.mark.slow
 def test_one_clock_of_several_that_are_all_fast_runs_faster_still():
     """It was told as a drift of friction; with its clock put right a recording has other strides to be compared in."""
     runs = [timed(k, 0.005 if k == 2 else 0.002, NUMBERS) for k in range(5)]
@@ -628,6 +636,7 @@ def test_one_clock_of_several_that_are_all_fast_runs_faster_still():
     assert sum(len(item.values) for item in found.of_recordings) == 5
 
 
+@pytest.mark.slow
 def test_channels_that_a_search_leaves_in_doubt_have_to_beat_what_belongs_to_recordings():
     """A stop is most of the torque, and the numbers are none of a machine as long as the clock is not known."""
     runs = [timed(k, 0.004, [0.05, 0.1, 0.3, 0.1], stop=150.0) for k in range(4)]
@@ -642,6 +651,7 @@ def test_torques_that_are_all_far_too_late_are_no_clock_of_most_recordings():
     assert found.verdict == "check_channels" and not found.of_recordings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fast", [-0.004, 0.003])
 def test_what_a_clock_leaves_is_noise_although_friction_reverses_in_a_moment(fast):
     runs = [timed(k, fast, NUMBERS) for k in range(4)]
@@ -658,6 +668,7 @@ def test_a_delay_that_all_recordings_have_is_the_machines():
     assert [one.effect for one in found.accepted] == ["time_delay"] and not found.of_recordings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [0, 3])
 def test_an_encoder_that_was_zeroed_elsewhere_is_told_beside_an_effect_of_its_angle(held):
     runs = [drive(k) for k in range(4)]

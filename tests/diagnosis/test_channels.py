@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -105,12 +106,24 @@ def found_in(recordings) -> Diagnosis:
     return discover(MODEL, recordings[:2], recordings[2:], seed=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [0.3, -0.2])
 def test_torque_logged_late_or_early(good, late):
     found = found_in([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
     assert found.verdict == "check_channels" and not found.accepted
     assert f"comes {abs(late):g} s {'after' if late > 0 else 'before'} the motion" in found.sentence
     assert "shift the torque of the " in found.next_experiment and f" by {abs(late):g} s" in found.next_experiment
+
+
+@pytest.mark.parametrize("late", [(0.12, 0.35, 0.2), (0.0, 0.3, -0.2)])
+def test_files_of_two_loggers_started_by_hand_are_each_told_their_time(good, late):
+    moved = [with_torque(one, np.roll(one.tau, round(x * one.rate), axis=0)) for one, x in zip(good, late, strict=True)]
+    found = found_in(moved)
+    assert found.verdict == "check_channels" and not found.accepted and "the motion it belongs to" in found.sentence
+    told = re.findall(r"run 0 (\S+) s, run 1 (\S+) s", found.next_experiment)
+    assert told
+    for pair in told:
+        assert [float(x) for x in pair] == pytest.approx(late[:2], abs=0.05)
 
 
 @pytest.mark.parametrize("hertz", [1.0, 2.0, 8.0])
@@ -148,6 +161,7 @@ def test_one_late_channel_is_told_from_a_late_logger(good):
     assert len(warned) == 1 and "The torque of the knee" in warned[0] and "0.3 s after" in warned[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [0.02, 0.05])
 def test_a_little_delay_is_an_effect_and_no_wrong_channel(good, late):
     found = found_in([with_torque(one, delayed(late)(one.t, one.tau)) for one in good])
@@ -186,6 +200,7 @@ def test_a_fit_without_a_search_tells_its_doubts_too(good):
     assert finding.what in [one.what for one in found.audit]
 
 
+@pytest.mark.slow
 def test_nothing_is_accepted_and_the_verdict_says_what_to_check(good):
     found = discover(MODEL, [with_torque(one, np.roll(one.tau, 30, axis=0)) for one in good], cutoff=5.0)
     assert found.verdict == "check_channels" and not found.accepted and not found.suspects

@@ -46,6 +46,7 @@ def test_a_stop_has_one_place_with_an_interval(still):
     assert "one half" not in found.sentence
 
 
+@pytest.mark.slow
 def test_places_of_their_own_are_found_where_the_stop_moves_and_it_is_said(moving):
     found = discover(Model.standard(), moving[:3], moving[3])
     (stop,) = found.accepted

@@ -29,6 +29,7 @@ def stop():
     return Hidden(find_effect("end_stop"), "hip", {"c": 40.0, "theta_s": 0.5, "side": 1.0})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assumed", [0.5, 0.34])
 @pytest.mark.parametrize("hidden", [(), (stop(),)])
 def test_a_wrong_thigh_length_is_told_and_no_effect_in_its_place(assumed, hidden):

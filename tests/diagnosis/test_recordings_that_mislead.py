@@ -38,6 +38,7 @@ def checks(given, name):
     return [finding for finding in made.findings if finding.check == name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.002, -0.003])
 def test_two_clocks_are_said_and_nothing_is_named(share):
     given = runs(fast(share))
@@ -56,6 +57,7 @@ def test_a_single_recording_tells_its_clock():
     assert told.what == "clock_rate" and [one.value for one in told.values.values()] == pytest.approx([0.004], rel=0.05)
 
 
+@pytest.mark.slow
 def test_torques_of_single_recordings_that_come_late_are_told():
     def late(one):
         return replace(one, tau=np.column_stack([np.interp(one.t - 0.04, one.t, column) for column in one.tau.T]))
@@ -76,6 +78,7 @@ def test_one_clock_is_not_told(change):
     assert not discover(Model(), given[:3], given[3:]).of_recordings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [0.3, 0.5, 0.8])
 def test_a_load_taken_up_midway_is_no_clock(part):
     def change(one):
@@ -86,6 +89,7 @@ def test_a_load_taken_up_midway_is_no_clock(part):
     assert not [one for one in discover(Model(), given[:3], given[3:]).of_recordings if "clock" in one.what]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [0.02, -0.03])
 def test_torques_that_come_late_from_a_moment_on_are_no_other_rate(late):
     given = runs()
@@ -105,6 +109,7 @@ def filtered(hertz):
     return lambda one: replace(one, q=np.round(low_pass(one.q, hertz, one.rate), 8))
 
 
+@pytest.mark.slow
 def test_filtered_angles_are_said_and_nothing_is_named():
     given = runs(filtered(0.5))
     (said,) = checks(given, FILTERED)
@@ -119,6 +124,7 @@ def test_where_the_model_explains_filtered_angles_it_is_said_with_that_reserve()
     assert answer.verdict == "adequate" and "With one reserve: the angles" in answer.sentence
 
 
+@pytest.mark.slow
 def test_what_a_simulation_computed_exactly_is_no_veto():
     def drag(seed):
         return -6.0 * np.column_stack([np.zeros(1200), np.tanh(40.0 * np.gradient(recording(seed).q[:, 1], 0.01) ** 3)])
@@ -130,6 +136,7 @@ def test_what_a_simulation_computed_exactly_is_no_veto():
     assert discover(Model(), given[:3], given[3:]).verdict != "check_channels"
 
 
+@pytest.mark.slow
 def test_noise_of_filtered_torques_is_no_measure():
     def change(one):
         return replace(one, tau=low_pass(one.tau, 4.0, one.rate) + 3.0 * np.sin(7.0 * one.t[:, None]))

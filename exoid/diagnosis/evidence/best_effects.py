@@ -12,10 +12,11 @@ from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import is_near_noise
 from exoid.diagnosis.evidence.ranking import weigh_all
+from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.hypotheses.readings import readings_of
 from exoid.diagnosis.own_numbers.found import belonging_to
 from exoid.diagnosis.rules import Rules
-from exoid.ground.ties import least_of
+from exoid.ground.ties import ascending, index_of_least
 from exoid.optimisation.fitting.identify import identify
 
 
@@ -39,18 +40,22 @@ def most_effects(base: FittedModel, rules: Rules) -> FittedModel:
         todo = [item for item in library.candidates if (item.term.effect.id, item.term.joint) not in present]
         scores, _ = weigh_all(now.evidence(seed=0, draws=0, rules=rules), library, now, todo)
         helping = [score for score in scores if score.helps and not score.caution and not score.candidate.tangent]
-        rest = [entry for entry in helping if entry.share > rules.unexplained_share]
-        if not rest:
+        leading = ascending(helping, lambda one: -one.share, 1.0)[: rules.refitted]
+        if not leading or leading[0].share <= rules.unexplained_share:
             break
-        best = least_of(rest, lambda one: -one.share, 1.0)
-        # What makes up for a late torque is worth nothing once that is read in time, and hides it.
-        late = [s for s in rest if s.candidate.reads_torque and s.share >= rules.half * best.share]
-        best = least_of(late, lambda one: -one.share, 1.0) if late else best
-        term = best.candidate.term
-        model = now.model.with_effect(term.effect, term.joint)
-        start = np.concatenate([now.shape, np.median(best.shape, axis=0)]) if model.shapes else None
-        now = fitted_model(identify(model, base.prepared.train, optimisers=(), start=start), base.prepared)
+        # Linearised, what makes up for a late torque may lead, and be worth nothing once that is read in time.
+        near = [score for score in leading if score.share >= rules.half * leading[0].share]
+        refits = [_refitted(now, score) for score in near]
+        now = refits[index_of_least([one.unseen_loss(now.unseen_scale, rules) for one in refits], 1.0)]
     return now
+
+
+def _refitted(now: FittedModel, score: Score) -> FittedModel:
+    """A model with one term more, fitted anew."""
+    term = score.candidate.term
+    model = now.model.with_effect(term.effect, term.joint)
+    start = np.concatenate([now.shape, np.median(score.start, axis=0)]) if model.shapes else None
+    return fitted_model(identify(model, now.prepared.train, optimisers=(), start=start), now.prepared)
 
 
 def may_be_explained(base: FittedModel, rules: Rules) -> bool:

@@ -74,6 +74,19 @@ class Score:
         """Shape values (R, S) on each recording."""
         return self.candidate.nodes[np.arange(len(self.nodes)), self.nodes]
 
+    @property
+    def start(self) -> Float:
+        """Shape values (R, S) at which a refit begins: of what has no coefficients, the first number as many times as
+        its column was needed, inside its bounds.
+        """
+        if self.candidate.term.effect.coefficients:
+            return self.shape
+        first, *others = self.candidate.term.placed_shape.values()
+        typical = [0.5 * (item.min + item.max) if item.typical is None else item.typical for item in others]
+        begun = np.tile([1.0, *typical], (len(self.nodes), 1)) if self.candidate.tangent else self.shape.copy()
+        begun[:, 0] = np.clip(begun[:, 0] * self.coefficients[0], first.min, first.max)
+        return begun
+
 
 def share_of_own_joints(score: Score, before: Float, floor: Float) -> float:
     """Return the share of the error (RMS `before` (J,)) of its own joints that a candidate explains on motion it was

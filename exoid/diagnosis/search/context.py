@@ -89,14 +89,8 @@ class SearchContext:
         before, term = extension.fitted, score.candidate.term
         model = before.model.with_effect(term.effect, term.joint, own_places=own_places)
         count = len(self.prepared.train)
-        own = score.shape[:count]
-        if score.candidate.tangent:  # its first number as it was weighed, inside its bounds
-            first, *others = term.placed_shape.values()
-            value = float(np.clip(score.coefficients[0], first.min, first.max))
-            rest = [s.typical if s.typical is not None else 0.5 * (s.min + s.max) for s in others]
-            own = np.tile([value, *rest], (count, 1))
         shapes = np.broadcast_to(before.fit.shapes, (count, len(before.shape)))
-        start = np.concatenate([shapes, own], axis=1)
+        start = np.concatenate([shapes, score.start[:count]], axis=1)
         if not any(s.shape.per_recording for s in model.shapes):
             start = start[0]
         return replace(self.fit(model, start if model.shapes else None), added=score)
