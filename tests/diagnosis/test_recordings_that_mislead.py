@@ -72,6 +72,21 @@ def test_torques_of_single_recordings_that_come_late_are_told():
     assert found.low < 0.04 < found.high
 
 
+@pytest.mark.parametrize(("joint", "seconds"), [(0, 0.04), (1, 0.15)])
+def test_the_torque_of_one_joint_that_comes_late_in_one_recording_is_told_of_that(joint, seconds):
+    given = runs()
+    tau = given[1].tau.copy()
+    tau[:, joint] = np.interp(given[1].t - seconds, given[1].t, tau[:, joint])
+    given[1] = replace(given[1], tau=tau)
+    answer = discover(Model(), given[:3], given[3:])
+    (told,) = answer.of_recordings
+    assert answer.verdict == "adequate" and not answer.accepted
+    assert told.what == "clock_offset" and told.joint == ("hip", "knee")[joint]
+    assert f"The torque of the {told.joint} comes at another time than in the other recordings" in answer.sentence
+    ((name, found),) = told.values.items()
+    assert name == given[1].name and found.low < seconds < found.high and found.high - found.low < 0.02
+
+
 @pytest.mark.parametrize("change", [None, fast(1e-5)])
 def test_one_clock_is_not_told(change):
     given = runs(change)

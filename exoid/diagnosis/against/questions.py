@@ -86,7 +86,7 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
     """
     model, every = fitted.model, fitted.prepared.all
     claims = claims or claims_of(model, driven_joints(every))
-    found = [_claimed(claim) for claim in claims if claim.place and not (claim.common or claim.of or claim.of_motion)]
+    found = [_claimed(claim) for claim in claims if claim.place and not (claim.common or claim.of or claim.bends)]
     names = [(p.name, p.unit, False) for p in model.parameters]
     names += [(s.name, s.shape.unit, bool(s.shape.choices)) for s in model.shapes]
     for k, (name, unit, chosen) in enumerate(names):

@@ -208,8 +208,10 @@ class Fits:
         assert claim.moves is not None
         recording, shape = self.now.prepared.all[k], self.now.shapes[k]
         seen = seen_before_filter(self.now, recording, self.linear, shape)
-        then = columns_on(self.now, recording.at(claim.moves(replace(seen, number=number))), shape)
-        return recording.smooth_columns(then - seen.columns)
+        then = columns_on(self.now, recording.at(claim.moves(replace(seen, number=number))), shape) - seen.columns
+        if claim.place is not None:  # of one joint alone
+            then[np.array(self.now.model.joint_names) != claim.place] = 0.0
+        return recording.smooth_columns(then)
 
     def numbers_of(self, state: State, step: Float, j: int) -> dict[Claim, float]:
         """Numbers of the claims that hold of a part (index), of those (Q,) of the model and of the state."""

@@ -136,7 +136,8 @@ class OwnNumbers:
         """The parts with the numbers by which their motion is another one; () where it is the recorded one."""
         each = [(part, of_part(self.held, self.numbers, j)) for j, part in enumerate(self.parts)]
         known = [(part, {held.claim.key: x for held, x in own if held.claim.of_motion}) for part, own in each]
-        return tuple(replace(part, known=own) for part, own in known) if any(own for _, own in known) else ()
+        late = any(held.claim.bends for held in self.held)
+        return tuple(replace(part, known=own) for part, own in known) if late else ()
 
     def on_motion(self, prepared: Prepared) -> Prepared:
         """The recordings with the motion that their torques are of, and what stands out of these as spikes there: a
@@ -171,16 +172,23 @@ class OwnNumbers:
         return carrying.beside_own(self._own(carrying, unseen=unseen))
 
     def _moved(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
-        """Return a recording with the motion that its torques are of: that of other times, or at other angles."""
-        times, angles = one.motion.t.copy(), np.zeros(one.motion.q.shape)
+        """Return a recording with the motion that its torques are of: that of other times, or at other angles; where
+        that of one joint comes late it shows later that this sticks.
+        """
+        times, angles, late = one.motion.t.copy(), np.zeros(one.motion.q.shape), []
         for j, half, numbers in self._halves(one, unseen=unseen):
             for held, number in of_part(self.held, numbers, j):
                 if held.claim.turns is not None:
                     angles[:, held.claim.turns] += half * number
                 elif held.claim.moves:
-                    times += half * (held.claim.moves(replace(self._seen(one, j), number=number)) - one.motion.t)
+                    later = held.claim.moves(replace(self._seen(one, j), number=number)) - one.motion.t
+                    if held.claim.of_motion:
+                        times += half * later
+                    else:
+                        late.append((self.now.model.joint_names.index(str(held.claim.place)), -float(later.mean())))
         timed = one if np.array_equal(times, one.motion.t) else one.at_times(times)
-        return timed.changed(motion=replace(timed.motion, q=timed.motion.q + angles)) if angles.any() else timed
+        turned = timed.changed(motion=replace(timed.motion, q=timed.motion.q + angles)) if angles.any() else timed
+        return turned.shown_later(late)
 
     def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> Float:
         """Torque (N, J) of a recording alone, its motion at the times of its torques; or what drives bear of it."""

@@ -123,9 +123,14 @@ class Claim:
         return *self.subject, self.common
 
     @property
-    def of_motion(self) -> bool:
-        """True if the torques are those of another motion than the one recorded."""
+    def bends(self) -> bool:
+        """True if what it adds is not proportional to its number."""
         return self.moves is not None or self.turns is not None
+
+    @property
+    def of_motion(self) -> bool:
+        """True if the torques, all of them, are those of another motion than the one recorded."""
+        return self.bends and (self.place is None or self.turns is not None)
 
 
 @cache
@@ -163,27 +168,38 @@ def at_joint(joint: int, torque: Callable[[Seen], Float]) -> Callable[[Seen], Fl
     return pieces
 
 
-def moving(what: str, unit: str, when: Callable[[Seen], Float], most: float, shown: tuple[float, str]) -> Claim:
-    """Claim that all torques are those of other times (K,), by a number of at most `most`."""
-    pieces, bounds = partial(_moved, when), (-most, most)
-    return Claim(what, None, unit, pieces, bounds, factor=True, moves=when, mix=_first, shown=shown)
+def moving(
+    what: str, unit: str, when: Callable[[Seen], Float], most: float, shown: tuple[float, str],
+    joint: tuple[int, str] | None = None,
+) -> Claim:  # fmt: skip
+    """Claim that all torques are those of other times (K,), or that of one `joint` (index, name), by a number of at
+    most `most`.
+    """
+    index, place = joint or (None, None)
+    pieces, bounds = partial(_moved, when, index), (-most, most)
+    return Claim(
+        what, place, unit, pieces, bounds, factor=True, moves=when, drive=place is not None, mix=_first, shown=shown
+    )
 
 
 def _first(at: Node) -> Float:
     return np.array([1.0, 0.0])
 
 
-def _moved(when: Callable[[Seen], Float], seen: Seen) -> Float:
+def _moved(when: Callable[[Seen], Float], joint: int | None, seen: Seen) -> Float:
     """Return by what the torque changes with the number, at that known already, and what that change lacks so far."""
     slope = (when(replace(seen, number=seen.number + TINY)) - when(seen)) / TINY
     if not seen.number:
         rises = slope * (np.gradient(seen.torque, seen.t, axis=1) if seen.rising is None else seen.rising)
-        return np.stack([rises, np.zeros(rises.shape)], axis=2)
-    assert seen.elsewhere is not None
-    times = when(seen)
-    then = seen.elsewhere(times)
-    rises = np.gradient(then, times, axis=1, edge_order=2) * slope
-    return np.stack([rises, then - seen.torque - seen.number * rises], axis=2)
+        lacking = np.zeros(rises.shape)
+    else:
+        assert seen.elsewhere is not None
+        times = when(seen)
+        then = seen.elsewhere(times)
+        rises = np.gradient(then, times, axis=1, edge_order=2) * slope
+        lacking = then - seen.torque - seen.number * rises
+    both = np.stack([rises, lacking], axis=2)
+    return both if joint is None else np.where(np.arange(len(both))[:, None, None] == joint, both, 0.0)
 
 
 def each_said(values: dict[str, str]) -> str:

@@ -1,4 +1,4 @@
-"""The torques of some recordings come later or earlier than those of the others.
+"""The torques of some recordings come later or earlier than those of the others: all, or that of one joint.
 
 A delay that all have is the machine's, and an effect.
 """
@@ -17,8 +17,10 @@ LATEST = 1.0
 
 
 def claims(model: Model, columns: Sequence[StateColumn]) -> tuple[Claim, ...]:
-    """Return a delay of all torques, another one in some recordings."""
-    return (replace(moving("clock_offset", "s", _late, LATEST, (1e3, "ms")), unlike="clock_offset"),)
+    """Return a delay of all torques, and of that of each joint of several, another one in some recordings."""
+    joints = [None, *(enumerate(model.joint_names) if len(model.joints) > 1 else ())]
+    late = (moving("clock_offset", "s", _late, LATEST, (1e3, "ms"), joint) for joint in joints)
+    return tuple(replace(claim, unlike="clock_offset") for claim in late)
 
 
 def _late(seen: Seen) -> Float:
@@ -27,5 +29,5 @@ def _late(seen: Seen) -> Float:
 
 def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
     """Sentence on the delays {recording: words} of the torques."""
-    each = each_said(sides(values, "later", "earlier"))
-    return f"{than_usual('torques come at another time', when)}: {each}"
+    what = "torques come" if claim.place is None else f"torque of the {claim.place} comes"
+    return f"{than_usual(f'{what} at another time', when)}: {each_said(sides(values, 'later', 'earlier'))}"
