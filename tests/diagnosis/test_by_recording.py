@@ -72,6 +72,14 @@ def test_where_nothing_differs_nothing_is_said():
     assert found.to_json()["of_recordings"] == []
 
 
+def test_a_zero_that_differs_in_one_recording_is_told_of_that_and_the_others_together():
+    found = discover(AXIS, [drive(0), drive(1, zero=0.8), drive(2)], drive(3))
+    assert found.verdict == "adequate" and told(found)["sensor_zero"]["run_1"] == pytest.approx(0.8, abs=0.05)
+    assert "another zero than in the other recordings: run_1 0.79" in found.sentence
+    assert ", the others " in found.sentence and "run_2" not in found.sentence
+    assert len(found.of_recordings[0].values) == 4
+
+
 def test_what_is_drawn_after_is_what_the_answer_says():
     runs = [drive(k, zero=zero) for k, zero in enumerate((0.9, -0.6, 0.2, -1.1))]
     found = discover(AXIS, runs[:3], runs[3])

@@ -13,7 +13,7 @@ import numpy as np
 from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.fitted import FittedModel, refitted
 from exoid.diagnosis.evidence.gain import pooled_scale
-from exoid.diagnosis.hypotheses.recordings import Claim, Node, Seen, sentence_on
+from exoid.diagnosis.hypotheses.recordings import OTHERS, Claim, Node, Seen, sentence_on
 from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
 from exoid.diagnosis.own_numbers.state import Claimed, Cuts, Part, Span, State, grouped, of_part
 from exoid.diagnosis.rules import Rules
@@ -28,6 +28,10 @@ from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 from exoid.symbolic.wording import called, number_of
 
+FEW, LIKE = 1 / 3, 0.1
+"""Part of the recordings that may differ from the others where these are told together, and of the largest difference
+that these may have.
+"""
 TIME = 1e-3
 """Part of the time between kept samples to which the moment of a change is found."""
 
@@ -410,11 +414,24 @@ def _sentence(
     claim: Claim, words: Mapping[str, str], where: str, when: str, mixed: Sequence[str], values: Mapping[str, Estimate]
 ) -> str:
     """Sentence on some of the `values` of a claim, each told in `words`."""
-    sentence = sentence_on(claim, {name: words[name] for name in values}, where, when)
+    told = {name: words[name] for name in values}
+    sentence = sentence_on(claim, _unlike_others(told, values) if claim.everyone else told, where, when)
     if not mixed:
         return sentence
     others = " and ".join(f"{number_of(name)} ({called(name.rpartition('.')[0])})" for name in mixed)
     return f"{sentence}; only how they differ is known: {others} would do the same"
+
+
+def _unlike_others(words: dict[str, str], values: Mapping[str, Estimate]) -> dict[str, str]:
+    """Words on numbers that each recording has: of few that differ from the middle, and of the others together."""
+    numbers = {name: value.value for name, value in values.items()}
+    away = np.abs(np.array([*numbers.values()]) - np.median([*numbers.values()]))
+    unlike = [name for name, far in zip(numbers, away, strict=True) if far > LIKE * away.max()]
+    if not 0 < len(unlike) <= FEW * len(values):
+        return words
+    others = [x for name, x in numbers.items() if name not in unlike]
+    (unit,) = {value.unit for value in values.values()}
+    return {name: words[name] for name in unlike} | {OTHERS: f"{min(others):.2g} to {max(others):.2g} {unit}"}
 
 
 def _in_space(node: Node, width: Float) -> str:

@@ -22,6 +22,8 @@ from exoid.optimisation.linear.loss import Bool
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
+OTHERS = "the others"
+"""What recordings are called that are told together."""
 TINY = 1e-6
 """Number by which times are moved for a derivative."""
 
@@ -137,8 +139,8 @@ class Claim:
 def hypotheses() -> dict[str, ModuleType]:
     """Return the modules of this folder by name. Each has `claims(model, columns)`, what it proposes for a model's
     machine and further columns of its recordings, and `said(claim, values, where, when)`, a sentence about the numbers
-    {recording: words} of one claim; `where` is the place of a load in words, `when` since when or until when that is
-    so, or "".
+    {recording: words} of one claim (of `everyone` those alike may be OTHERS together); `where` is the place of a load
+    in words, `when` since when or until when that is so, or "".
     """
     return modules_in(sys.modules[__name__])
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exoid.diagnosis.hypotheses.recordings import Claim, StateColumn, at_joint, each_said, than_usual
+from exoid.diagnosis.hypotheses.recordings import OTHERS, Claim, StateColumn, at_joint, each_said, than_usual
 from exoid.symbolic.model import Model
 
 
@@ -31,4 +31,5 @@ def said(claim: Claim, values: dict[str, str], where: str, when: str) -> str:
         return f"The zero of the {claim.place} torque sensor is {next(iter(values.values()))} in all recordings"
     if len(values) == 1:
         return f"The {claim.place} torque sensor (or its encoder) has a zero of its own: {each_said(values)}"
-    return f"The {another} in each recording: {each_said(values)}"
+    where = "than in the other recordings" if OTHERS in values else "in each recording"
+    return f"The {another} {where}: {each_said(values)}"
