@@ -48,7 +48,7 @@ def what_is_wrong(fit: Fit, names: Sequence[str]) -> Doubt:
     for name in names:
         late = _delays(fit, name)
         first, last = np.sort(np.abs(late))[[0, -1]]
-        when = {-1.0: "before", 1.0: "after"}.get(float(np.sign(late).mean()), "before or after")
+        when = "after" if late.min() >= 0.0 else "before" if late.max() <= 0.0 else "before or after"
         alike = first == last
         logged[name] = f"comes {last:g} s" if alike else f"comes {first:g} to {last:g} s"
         logged[name] += f" {when} the motion it belongs to"
