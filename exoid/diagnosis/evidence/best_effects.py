@@ -46,7 +46,7 @@ def most_effects(base: FittedModel, rules: Rules) -> FittedModel:
         # Linearised, what makes up for a late torque may lead, and be worth nothing once that is read in time.
         near = [score for score in leading if score.share >= rules.half * leading[0].share]
         refits = [_refitted(now, score) for score in near]
-        now = refits[index_of_least([one.unseen_loss(now.unseen_scale, rules) for one in refits], 1.0)]
+        now = refits[index_of_least([fitted.unseen_loss(now.unseen_scale, rules) for fitted in refits], 1.0)]
     return now
 
 

@@ -25,7 +25,7 @@ EFFECT = Effect(
     title="A torque logged at another time",
     explains="The torque is logged long after, or before, the motion that belongs to it.",
     torque="delay(tau_model, d) - tau_model",
-    shape={"d": Shape("s", -LATEST, LATEST, points=25, typical=0.2, per_recording=True)},
+    shape={"d": Shape("s", -LATEST, LATEST, points=25, per_recording=True)},
     family="reading",
     drive=True,
     custom=True,
