@@ -176,11 +176,11 @@ class Fits:
         both = np.concatenate([seen.columns, seen.torque[:, :, None]], axis=2)
         return recording.smooth_columns(np.gradient(both, seen.t, axis=1))
 
-    def _place_factors(self, state: State, step: Float) -> None:
-        """Have what multiplies a torque of the model do so at numbers (Q,) of the model and of the state."""
+    def _place_factors(self, state: State, step: Float, claims: Sequence[Claim]) -> None:
+        """Have those of `claims` that multiply a torque of the model do so at numbers (Q,) of it and of the state."""
         self.linear = self.now.linear + step[: len(self.linear)]
         self.seen = [self._seen(k) for k in range(len(self.blocks))]
-        factors = [claim for claim in self.claims if claim.factor]
+        factors = [claim for claim in claims if claim.factor]
         for j, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
             numbers = self.numbers_of(state, step, j)
             for claim in factors:
@@ -247,25 +247,34 @@ class Fits:
 
     def weigh(self, state: State) -> None:
         """Make the `grams` (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for."""
-        left = [r[:, :, -1] for r in self.rows]
+        left, whole = [r[:, :, -1] for r in self.rows], range(self.rows[0].shape[2])
+        held_too = dict.fromkeys(c for held in state for c in whole[self.place[held.claim]])
+        own = [*whole[: self.count], *held_too, whole[-1]]
         most, before = (CLOSER if any(held.claim.factor for held in state) else REWEIGHTED), np.array([np.inf])
-        for k in range(most if state else 1):
-            sigma = pooled_scale(list(zip(left, self.use, strict=True)))
-            out = []
-            for rows, r in zip(self.rows, left, strict=True):
-                size = np.maximum(np.abs(r), 1e-300)
-                weight = np.minimum(1.0, self.rules.robust * sigma[:, None] / size) / sigma[:, None] ** 2
-                half = rows.shape[1] // 2
-                parts = [(rows[:, s], rows[:, s] * weight[:, s, None]) for s in (slice(0, half), slice(half, None))]
-                out.append([np.tensordot(a, b, ((0, 1), (0, 1))) for a, b in parts])
-            self.grams: Float = np.array(out)
-            if state:
-                step = self.together(state)
-                self._place_factors(state, step)
-                left = self.left_by(state, [step] * 2)
-                if k + 1 >= REWEIGHTED and np.allclose(step[self.count :], before, rtol=CLOSE):
-                    break
-                before = step[self.count :]
+        for k in range(most if state else 0):
+            self.grams = self._weighted(left, own)
+            step = self.together(state)
+            self._place_factors(state, step, [held.claim for held in state])
+            left = self.left_by(state, [step] * 2)
+            if k + 1 >= REWEIGHTED and np.allclose(step[self.count :], before, rtol=CLOSE):
+                break
+            before = step[self.count :]
+        if state:
+            self._place_factors(state, step, self.claims)
+        self.grams = self._weighted(left, whole)
+
+    def _weighted(self, left: Sequence[Float], columns: Sequence[int]) -> Float:
+        """Return Gram matrices (R, 2, D, D) of some columns, zero for others, as robust as what is `left` asks for."""
+        grams = np.zeros((len(self.rows), 2, *2 * self.rows[0].shape[2:]))
+        sigma = pooled_scale(list(zip(left, self.use, strict=True)))
+        for halves, rows, r in zip(grams, self.rows, left, strict=True):
+            size = np.maximum(np.abs(r), 1e-300)
+            weight = np.minimum(1.0, self.rules.robust * sigma[:, None] / size) / sigma[:, None] ** 2
+            half = rows.shape[1] // 2
+            for gram, part in zip(halves, (slice(0, half), slice(half, None)), strict=True):
+                some = rows[:, part] if len(columns) == rows.shape[2] else rows[:, part, columns]
+                gram[np.ix_(columns, columns)] = np.tensordot(some, some * weight[:, part, None], ((0, 1), (0, 1)))
+        return grams
 
     def sums(self, state: State) -> Float:
         """Gram matrices (R, 2, Q + 1, Q + 1) of halves for model, state and residual."""

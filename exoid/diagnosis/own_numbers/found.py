@@ -264,6 +264,10 @@ class _Search:
         best: list[tuple[float, Claimed]] = []
         for claim in free:
             mine = [c for c, (element, _) in enumerate(nodes) if element is claim]
+            # What all explain that differ is no more than what each explains alone: the model is between them.
+            alone = float(np.maximum(now - losses[:, mine].min(axis=1), 0.0).sum())
+            if alone < self.rules.worth_telling * now and not claim.bends:
+                continue
             k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
             less = claim.shared and numbers[k, mine[c]] < 0.0
             group = tuple(j for j in range(self.many) if (j == k) != less)
