@@ -50,6 +50,7 @@ COMPARED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("called", COMPARED)
 def test_the_same_recording_in_any_form_gives_the_same_answer(bench, called):
     first = exoid.compare(bench.leg, [bench.runs[0]])
@@ -57,6 +58,7 @@ def test_the_same_recording_in_any_form_gives_the_same_answer(bench, called):
     assert np.array_equal(found.rms, first.rms) and found.verify_rms is None
 
 
+@pytest.mark.slow
 def test_recordings_alone_are_of_the_standard_leg(bench):
     first = exoid.compare(bench.leg, bench.runs[:1])
     for found in (exoid.compare(bench.files[0]), exoid.compare(recordings=bench.frames[0]),
@@ -66,6 +68,7 @@ def test_recordings_alone_are_of_the_standard_leg(bench):
         exoid.compare("leg.toml")
 
 
+@pytest.mark.slow
 def test_a_file_of_the_folder_that_is_held_out_is_not_fitted(bench):
     held_out = DATA / "verify.csv"
     apart = exoid.compare([*sorted(DATA.glob("train*.csv"))], verify=held_out)
@@ -89,6 +92,7 @@ def test_what_is_held_out_comes_in_any_form_too(bench, called):
     assert found.verify_rms is not None and found.verify_rms[0] > 0.0
 
 
+@pytest.mark.slow
 def test_a_folder_and_a_mixture(bench):
     assert len(exoid.compare(bench.leg, DATA).per_recording) == len(bench.files)
     mixed = exoid.compare(bench.leg, [bench.files[0], bench.frames[1], bench.arrays[2]], verify=bench.runs[3])
@@ -123,6 +127,7 @@ READ = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("called", READ)
 def test_it_works(bench, called):
     assert READ[called](bench)
@@ -205,6 +210,7 @@ def test_a_call_that_does_not_fit_is_pythons_type_error(bench, called):
         WRONG[called](bench)
 
 
+@pytest.mark.slow
 def test_results_report_themselves_and_show_the_fall(bench, tmp_path):
     found = exoid.diagnose(bench.leg, bench.files[:2], verify=bench.files[3])
     assert [one.name for one in found.accepted] == ["load_friction:knee"]

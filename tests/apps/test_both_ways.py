@@ -81,6 +81,7 @@ def test_compare(given):
     assert same(by_command("compare", *FILES), exoid.compare(model, train, verify))
 
 
+@pytest.mark.slow
 def test_compare_before_against_after(given):
     model, train, verify = given
     words = ("compare", "run0.csv", "run1.csv", "--against", "run2.csv", "--model", "leg.toml", "--seed", "4")
@@ -88,6 +89,7 @@ def test_compare_before_against_after(given):
     assert same(by_command(*words), found)
 
 
+@pytest.mark.slow
 def test_identify(given):
     model, train, verify = given
     fit = exoid.identify(model, exoid.prepare(model, train, verify).train)
@@ -97,6 +99,7 @@ def test_identify(given):
     assert {key: command[key] for key in alone} == alone
 
 
+@pytest.mark.slow
 def test_add(given):
     model, train, verify = given
     command = by_command("add", "stribeck:knee", *FILES, "--write", "extended.toml")
@@ -126,6 +129,7 @@ def test_discover(given):
     assert same(by_command("discover", *FILES), exoid.discover(model, train, verify))
 
 
+@pytest.mark.slow
 def test_design(given):
     model, *_ = given
     command = by_command("design", "leg.toml", "--seed", "3")
@@ -140,6 +144,7 @@ def test_separate(given):
     assert same(command, exoid.separate(model, rivals, train))
 
 
+@pytest.mark.slow
 def test_rivals(given):
     model, train, _ = given
     fit = exoid.identify(model, exoid.prepare(model, train).train, optimisers=())
@@ -151,6 +156,7 @@ def test_rivals(given):
     assert gaps == {name: found.gaps(name).tolist() for name in found.outcomes}
 
 
+@pytest.mark.slow
 def test_simulate(given):
     asked = "simulate leg.toml --effect stribeck:hip=2.6 --runs 2 --duration 5 --seed 9 --out made --quiet"
     assert main(asked.split()) == 0
@@ -170,6 +176,7 @@ def test_generate(given):
             assert stream.read() == text
 
 
+@pytest.mark.slow
 def test_export(given):
     assert main(["identify", "run0.csv", "run1.csv", "--model", "leg.toml", "--write", "ready.toml", "--quiet"]) == 0
     command = by_command("export", "ready.toml", "--format", "numpy", "casadi", "--out", "exported")
@@ -182,6 +189,7 @@ def test_export(given):
                 assert stream.read() == text
 
 
+@pytest.mark.slow
 def test_watch(folder, monkeypatch):
     monkeypatch.chdir(folder)
     exoid.write_recording(exoid.simulate_runs(1, seed=5, bench=exoid.Bench(duration=26.0))[0].recording, "long.csv")

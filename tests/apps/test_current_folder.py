@@ -72,12 +72,14 @@ CAMPAIGN = ("campaign", "plan.toml", "--out", "fleet", "--jobs", "2", "--quiet")
 CONTEST = ("--only", "nfo", "--seeds", "2", "--generations", "3", "--individuals", "6", "--jobs", "2", "--quiet")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [CAMPAIGN, ("rivals", "run_1.csv", *CONTEST)], ids=lambda words: words[0])
 def test_workers_of_a_command(words, hostile):
     done = exoid(words, hostile, OMP_NUM_THREADS="1")
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "engine", ["alone", "processes", *(pytest.param(name, marks=pytest.mark.slow) for name in ("dask", "slurm"))]
 )
@@ -90,6 +92,7 @@ def test_workers_of_every_engine(engine, hostile):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["xlsx", "mat"])
 def test_readers_with_a_process_or_library_of_their_own(suffix, hostile):
     recording = read_recording(DEMO / "train_1.csv")
@@ -107,6 +110,7 @@ def test_readers_with_a_process_or_library_of_their_own(suffix, hostile):
     assert exoid(("compare", f"run.{suffix}", "--quiet"), hostile).returncode == 0
 
 
+@pytest.mark.slow
 def test_python_with_m(hostile, tmp_path):
     (tmp_path / "probe.py").write_text("import sys\nprint(*{name.partition('.')[0] for name in sys.modules})\n")
     probe = [sys.executable, "-m", "probe"]
@@ -117,6 +121,7 @@ def test_python_with_m(hostile, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("entries", ["{}:", ":{}", ".:{}", "{}:./"])
 def test_an_entry_that_means_the_current_folder_is_left_out(entries, hostile):
     for path in hostile.glob("*.py"):
@@ -144,6 +149,7 @@ def test_workers_import_what_this_process_does_and_its_environment_comes_back(mo
     assert "PYTHONSAFEPATH" not in os.environ and os.environ["PYTHONPATH"] == "/mine"
 
 
+@pytest.mark.slow
 def test_ipopt_takes_no_options_from_the_current_folder(hostile):
     (hostile / "ipopt.opt").write_text("max_iter 0\noutput_file leaked.txt\nfile_print_level 5\n")
     done = exoid(("identify", "run_1.csv", "run_2.csv"), hostile)

@@ -129,6 +129,7 @@ def environment():
     return {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
 
 
+@pytest.mark.slow
 def test_the_catalogue_page_is_what_the_catalogue_says():
     script = runpy.run_path(str(ROOT / "benchmarks" / "make_effects_page.py"))
     fresh, shown = script["page"](), (ROOT / "docs" / "effects.md").read_text(encoding="utf-8")

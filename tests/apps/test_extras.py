@@ -114,6 +114,7 @@ def test_a_command_without_its_extra_says_so_and_ends_with_2(package, extra, wor
     assert f"pip install 'exoid[{extra}]'" in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.slow
 def test_a_contest_of_what_is_installed_needs_no_extra(without):
     without("pymoo", "joblib")
     found = exoid.rivals(
@@ -134,6 +135,7 @@ def core():
     return {IMPORTED_AS.get(name, name) for name in names}
 
 
+@pytest.mark.slow
 def test_nothing_else_is_imported_without_saying_where_it_comes_from():
     ours = core() | set(sys.stdlib_module_names) | OF_THE_CORE | ANYWAY
 

@@ -31,6 +31,7 @@ def test_what_is_no_number_is_refused(verb, option, tmp_path, capsys):
     assert "Traceback" not in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [
     ["simulate", "--duration", "1e300"], ["simulate", "--rate", "1e300"], ["simulate", "--duration", "1e9"],
     ["design", "--period", "1e-9"], ["design", "--period", "1e300"], ["design", "--noise", "1e-300"],
@@ -165,6 +166,7 @@ def test_a_pipe_in_the_place_of_a_run(kept):
     path.write_text(text)
 
 
+@pytest.mark.slow
 def test_a_worker_ends_with_the_process_it_works_for(tmp_path):
     """Killed outright, without a chance to say goodbye."""
     import os

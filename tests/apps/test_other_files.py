@@ -36,6 +36,7 @@ def folder(tmp_path):
     return here
 
 
+@pytest.mark.slow
 def test_recordings_are_read_and_the_rest_is_named_in_one_line(folder, capsys):
     assert main(["compare", str(folder)]) == 0
     said = [line for line in capsys.readouterr().err.splitlines() if "left out" in line]

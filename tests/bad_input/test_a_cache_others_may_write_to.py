@@ -91,6 +91,7 @@ def test_what_cannot_be_a_folder_is_no_traceback(tmp_path, monkeypatch):
             assert cache_folder().is_dir()
 
 
+@pytest.mark.slow
 @posix
 @compiles
 @pytest.mark.parametrize("change", [

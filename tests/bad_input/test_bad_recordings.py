@@ -194,6 +194,7 @@ def test_links_that_go_in_a_circle_are_refused_in_words(tmp_path, monkeypatch, c
     assert said and "Traceback" not in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [b"run_\xff\xe4.csv", b"$\\foo{$.csv", b"a\nb.csv"])
 def test_a_file_of_any_name_gets_its_figures(tmp_path, name):
     """No UTF-8, what matplotlib takes for mathematics, a line feed."""

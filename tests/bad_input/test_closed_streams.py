@@ -23,6 +23,7 @@ def exoid(words, redirected, folder):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("redirected", [">&-", "2>&-", ">&- 2>&- <&-", "2>/dev/full"])
 @pytest.mark.parametrize(
     ("words", "status"), [("", 0), ("--help", 0), ("effects", 0), ("compare --help", 0), ("compare nowhere.csv", 2)]
@@ -38,6 +39,7 @@ def test_an_answer_that_nobody_could_read_is_refused_before_the_work(tmp_path):
     assert done.returncode == 2 and "standard output is closed" in done.stderr
 
 
+@pytest.mark.slow
 def test_what_is_written_is_whole_where_its_file_could_take_the_number_of_a_closed_stream(tmp_path):
     done = exoid(f"compare {RUNS} --json answer.json", ">&- 2>&- <&-", tmp_path)
     assert done.returncode == 0
@@ -45,6 +47,7 @@ def test_what_is_written_is_whole_where_its_file_could_take_the_number_of_a_clos
     assert (tmp_path / "answer.json").read_text() == (tmp_path / "other.json").read_text()
 
 
+@pytest.mark.slow
 def test_a_full_disk_and_a_reader_who_has_gone(tmp_path):
     full = exoid("--help", ">/dev/full", tmp_path)
     assert full.returncode == 2 and "No space left" in full.stderr

@@ -172,6 +172,7 @@ def damaged(rng: random.Random, data: bytes) -> bytes:
     return bytes(out)
 
 
+@pytest.mark.slow
 def test_damaged_files_are_read_or_refused(tmp_path, monkeypatch):
     """Nothing else escapes, nothing takes long, and nothing takes more memory than a reader may ask for."""
     monkeypatch.setattr(limits, "MOST_BYTES", 50_000_000)

@@ -59,6 +59,7 @@ def test_results_of_a_command(name, plant, tmp_path, capsys):
     assert "cannot be written" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_figures_of_a_report(elsewhere, tmp_path, capsys):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "figures").symlink_to(elsewhere.parent)

@@ -29,6 +29,7 @@ def test_a_usual_leg_is_not_remarked_on(tmp_path):
     assert said(tmp_path, leg())[1] == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factors, words", [
     ({"tau": 1e-3}, "kN·m"), ({"tau": 1e-6}, "MN·m"), ({"tau": 1e3}, "mN·m"),
     ({"q": 0.5 / np.pi}, "turns"), ({"q": 180 / np.pi}, "degrees"),

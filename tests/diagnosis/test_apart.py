@@ -57,10 +57,12 @@ def runs():
     return [drive(k, quadratic=0.4) for k in range(5)]
 
 
+@pytest.mark.slow
 def test_nothing_is_apart_where_all_lack_the_same(runs):
     assert names(runs) == [] and names(runs, 1) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spoil", [stuck, turned])
 @pytest.mark.parametrize("place", [1, 4])
 def test_a_spoilt_recording_is(runs, spoil, place):
@@ -72,6 +74,7 @@ def test_of_three_recordings_nobody_knows_which(runs):
     assert names([turned(runs[0]), *runs[1:3]]) == []
 
 
+@pytest.mark.slow
 def test_two_of_six_are_found_and_three_are_not(runs):
     six = [*runs, drive(5, quadratic=0.4)]
     assert names([turned(six[0]), stuck(six[1]), *six[2:]]) == ["run_0", "run_1"]
@@ -111,6 +114,7 @@ def test_the_others_are_answered_and_it_is_named(runs):
     assert out["recording"] == "run_1" and "fitted alone it is not explained either" in found.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ["run_1.csv", "today/run_1.parquet", ""])
 def test_of_a_file_that_is_read_wrongly_the_option_is_told(runs, path):
     wrong = replace(turned(runs[1]), source=Source(path=path))
@@ -118,6 +122,7 @@ def test_of_a_file_that_is_read_wrongly_the_option_is_told(runs, path):
     assert f"--convention {path.rpartition('/')[2] or 'run_1'}=axis-torque-negated" in found.sentence
 
 
+@pytest.mark.slow
 def test_of_a_file_in_another_unit_the_unit_is_told():
     legs = [recording(k) for k in range(5)]
     large = replace(legs[1], tau=1e3 * legs[1].tau)
@@ -126,16 +131,19 @@ def test_of_a_file_in_another_unit_the_unit_is_told():
     assert out.recording == large.name and "it looks like mN·m (write the unit into the header" in out.sentence
 
 
+@pytest.mark.slow
 def test_torques_that_are_all_many_times_too_large_are_of_another_machine_or_unit(runs):
     found = discover(AXIS, [runs[0], replace(runs[1], tau=1e3 * runs[1].tau), *runs[2:4]], runs[4])
     assert "another machine, a load (--payload), or a unit or gain of a sensor" in found.sentence
 
 
+@pytest.mark.slow
 def test_another_machine_is_told_by_its_numbers(runs):
     found = discover(AXIS, [*runs[:3], drive(3, quadratic=0.4, numbers=NUMBERS * [1.5, 2.5, 2.0, 3.0])], runs[4])
     assert found.verdict == "missing" and "with numbers of its own" in found.sentence
 
 
+@pytest.mark.slow
 def test_an_effect_that_one_recording_alone_shows_is_no_bad_file():
     stop = AXIS.with_effect("end_stop:axis")
     assert stop.shapes  # its place

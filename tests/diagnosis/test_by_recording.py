@@ -66,12 +66,14 @@ def told(found):
     return {one.what: {name: e.value for name, e in one.values.items()} for one in found.of_recordings}
 
 
+@pytest.mark.slow
 def test_where_nothing_differs_nothing_is_said():
     found = discover(AXIS, [drive(k) for k in range(3)], drive(3))
     assert found.verdict == "adequate" and found.of_recordings == () and len(found.steps) == 1
     assert found.to_json()["of_recordings"] == []
 
 
+@pytest.mark.slow
 def test_a_zero_that_differs_in_one_recording_is_told_of_that_and_the_others_together():
     found = discover(AXIS, [drive(0), drive(1, zero=0.8), drive(2)], drive(3))
     assert found.verdict == "adequate" and told(found)["sensor_zero"]["run_1"] == pytest.approx(0.8, abs=0.05)
@@ -80,6 +82,7 @@ def test_a_zero_that_differs_in_one_recording_is_told_of_that_and_the_others_tog
     assert len(found.of_recordings[0].values) == 4
 
 
+@pytest.mark.slow
 def test_what_is_drawn_after_is_what_the_answer_says():
     runs = [drive(k, zero=zero) for k, zero in enumerate((0.9, -0.6, 0.2, -1.1))]
     found = discover(AXIS, runs[:3], runs[3])
@@ -91,6 +94,7 @@ def test_what_is_drawn_after_is_what_the_answer_says():
     np.testing.assert_allclose(errors, told, rtol=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [0, 3])
 def test_zeros_set_anew_are_told_and_the_rest_is_adequate(held):
     zeros = (0.9, -0.6, 0.2, -1.1)
@@ -104,6 +108,7 @@ def test_zeros_set_anew_are_told_and_the_rest_is_adequate(held):
     assert one["sentence"] in found.sentence and one["joint"] == "axis" and one["unit"] == "N·m"
 
 
+@pytest.mark.slow
 def test_long_recordings_are_searched_in_stretches_and_answered_whole():
     rules = replace(RULES, whole_seconds=20.0, searched_seconds=30.0, stretch_seconds=5.0)
     runs = [drive(k, model=AXIS) for k in range(4)]
@@ -148,6 +153,7 @@ def test_friction_that_depends_on_speed_belongs_to_no_recording_though_each_has_
     assert found.of_recordings == ()
 
 
+@pytest.mark.slow
 def test_an_effect_is_found_beside_them():
     model = AXIS.with_effect("viscous_quadratic:axis")
     runs = [drive(k, [*NUMBERS, 0.4], z, model=model) for k, z in enumerate((0.9, -0.6, 0.2, -1.1))]
@@ -156,6 +162,7 @@ def test_an_effect_is_found_beside_them():
     assert found.accepted[0].parameters["c"].value == pytest.approx(0.4, abs=0.05)
 
 
+@pytest.mark.slow
 def test_zeros_are_told_beside_an_effect_that_has_a_constant_of_its_own():
     model, zeros = AXIS.with_effect("joint_spring:axis"), (0.9, -0.6, 0.2, -1.1)
     runs = [drive(k, [*NUMBERS, 3.0, -0.5], z, model=model) for k, z in enumerate(zeros)]
@@ -179,6 +186,7 @@ def stopped(one, stiffness, at):
     return replace(one, tau=one.tau + stiffness * np.maximum(0.0, one.q - at))
 
 
+@pytest.mark.slow
 def test_zeros_that_hide_a_stop_are_found_with_it_at_one_place():
     """Places that differ would stand in for the zeros, and these for the stop."""
     zeros = (0.9, -0.6, 0.2, -1.1)
@@ -221,11 +229,13 @@ def test_a_late_torque_is_told_beside_an_effect_and_not_as_another_friction():
     assert told(found) == {"clock_offset": pytest.approx({"run_1": 0.02}, abs=0.003)}
 
 
+@pytest.mark.slow
 def test_the_same_zero_in_all_recordings_is_an_effect_of_the_machine():
     found = discover(AXIS, [drive(k, zero=0.8) for k in range(3)], drive(3, zero=0.8))
     assert found.of_recordings == () and found.verdict != "adequate"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heavy", [(3,), (0, 3), (0, 1, 2)])
 def test_a_load_is_weighed_and_placed_whoever_carries_it(heavy):
     runs = [drive(k, NUMBERS + (k in heavy) * added(1.5, 0.3)) for k in range(4)]
@@ -236,6 +246,7 @@ def test_a_load_is_weighed_and_placed_whoever_carries_it(heavy):
     assert one.place.value == pytest.approx(0.3, abs=0.02) and "axis" in one.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heavy", [{1: 0.8, 3: 1.6}, {0: 0.8, 1: 1.6, 3: 0.8}])
 def test_loads_of_two_sizes_are_weighed_each(heavy):
     """One number for all was 1.74 kg, with a gain and zeros for what was left."""
@@ -251,6 +262,7 @@ def added(mass, place):
     return out
 
 
+@pytest.mark.slow
 def test_another_gain_and_another_level_of_friction():
     usual = [drive(k) for k in range(3)]
     gained = discover(AXIS, [*usual, drive(4)], drive(3, gain=1.2))
@@ -294,6 +306,7 @@ def test_nothing_is_told_of_a_recording_that_is_left_out():
     assert own.without(["run_0", "run_1", "run_2"]) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("which", "word"), [(2, "dry friction"), (3, "viscous friction")])
 def test_a_part_of_friction_that_differs_alone_is_called_so(which, word):
     dragging = drive(4, NUMBERS + 0.8 * np.eye(4)[which])
@@ -303,6 +316,7 @@ def test_a_part_of_friction_that_differs_alone_is_called_so(which, word):
     assert f"{word} of the axis is another" in found.sentence
 
 
+@pytest.mark.slow
 def test_a_late_torque_of_one_fitted_recording_is_told_though_the_one_held_out_is_explained():
     runs = [drive(k) for k in range(5)]
     behind = np.interp(runs[1].t - 0.03, runs[1].t, runs[1].tau[:, 0])[:, None]
@@ -323,6 +337,7 @@ def warm(k, start, goes):
 STARTS = (21.0, 35.0, 28.0, 40.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("goes", "unit", "number"),
     [
@@ -342,12 +357,14 @@ def test_what_goes_with_the_temperature_of_a_motor_is_said_of_it(goes, unit, num
     assert "goes with motor" in one.sentence
 
 
+@pytest.mark.slow
 def test_a_temperature_that_nothing_goes_with_is_not_told_of():
     runs = [warm(k, start, lambda tau, friction, above: tau) for k, start in enumerate(STARTS)]
     found = discover(AXIS, runs[:3], runs[3])
     assert found.verdict == "adequate" and found.of_recordings == ()
 
 
+@pytest.mark.slow
 def test_friction_of_one_recording_is_not_laid_upon_its_temperature():
     usual = [warm(k, start, lambda tau, friction, above: tau) for k, start in enumerate(STARTS)]
     stiff = warm(4, 30.0, lambda tau, friction, above: tau + 0.5 * friction)
@@ -415,6 +432,7 @@ def loaded_from(k, moment):
     return replace(bare, tau=np.where((bare.t >= moment)[:, None], heavy.tau, bare.tau))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moments", [(7.0, 7.0, 7.0, 7.0), (5.0, 99.0, 9.0, 99.0), (99.0, 99.0, 99.0, 6.0)])
 def test_a_load_taken_up_midway_is_told_with_its_moment(moments):
     runs = [loaded_from(k, moment) for k, moment in enumerate(moments)]
@@ -428,11 +446,13 @@ def test_a_load_taken_up_midway_is_told_with_its_moment(moments):
     assert f"From {min(own.values()):.1f}"[:6] in one.sentence and "spans" in one.to_json()
 
 
+@pytest.mark.slow
 def test_what_changes_within_the_only_recording_is_told():
     found = discover(AXIS, [loaded_from(0, 8.0)])
     assert told(found) == {"carried_load": pytest.approx({"run_0": 1.5}, abs=0.1)}
 
 
+@pytest.mark.slow
 def test_a_zero_that_jumps_midway_is_told():
     runs = [drive(k) for k in range(4)]
     late = runs[2].t > 6.0
@@ -442,6 +462,7 @@ def test_a_zero_that_jumps_midway_is_told():
     assert one.spans["run_2"] == (pytest.approx(6.0, abs=0.03), None) and "than before" in one.sentence
 
 
+@pytest.mark.slow
 def test_torques_that_come_late_from_a_moment_on_are_told_with_it():
     runs = [drive(k) for k in range(4)]
     before = runs[1].t < 7.0
@@ -463,6 +484,7 @@ def test_a_number_that_may_be_the_usual_one_is_not_told():
     assert held.groups == ((1,),)
 
 
+@pytest.mark.slow
 def test_a_gain_of_the_last_third_of_one_fitted_recording_is_told_though_the_rest_is_explained():
     runs = [drive(k) for k in range(4)]
     late = runs[1].t > 11.0
@@ -472,6 +494,7 @@ def test_a_gain_of_the_last_third_of_one_fitted_recording_is_told_though_the_res
     assert told(found) == {"torque_gain": pytest.approx({"run_1": 1.25}, abs=0.02)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ripple", [0.0, 3.0])
 def test_where_a_fitted_recording_is_far_from_the_noise_that_is_said(ripple):
     """A push has no number that belongs to a recording, and the recording held out does not show it."""
@@ -485,6 +508,7 @@ def test_where_a_fitted_recording_is_far_from_the_noise_that_is_said(ripple):
     assert "run_1" in found.sentence
 
 
+@pytest.mark.slow
 def test_a_place_is_found_between_the_nodes_it_is_first_looked_for_at():
     runs = [drive(k, NUMBERS + (k == 3) * added(1.5, 0.2871)) for k in range(4)]
     runs = [replace(run, tau=np.round(run.tau, 3)) for run in runs]
@@ -513,6 +537,7 @@ def test_a_leg_with_a_box_on_its_shank():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 2, 3])
 def test_zeros_are_no_drift_that_began_at_another_time_in_each(seed):
     rng = np.random.default_rng(seed)
@@ -575,6 +600,7 @@ def test_a_load_is_told_beside_a_spring_that_explains_as_much():
     assert told(found)["carried_load"] == pytest.approx({"run_0": 1.2, "run_3": 1.2}, abs=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inertia", [0.1, 0.3])
 def test_of_a_load_that_no_gravity_weighs_its_inertia_is_told(inertia):
     level = Model("drive", joints=AXIS.joints, gravity=0.0)
@@ -586,6 +612,7 @@ def test_of_a_load_that_no_gravity_weighs_its_inertia_is_told(inertia):
     assert load.unit == "kg·m²" and load.place is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [0, 2])
 def test_one_torque_that_comes_late_is_its_clock_and_no_delay(held):
     runs = [late(drive(k), 0.015 if k == 2 else 0.0) for k in range(5)]
@@ -623,6 +650,7 @@ def timed(k, fast, numbers, stop=0.0):
     return Recording(f"run_{k}", t, seen + 1e-5 * noise[0], tau + 0.03 * noise[1], joints=AXIS.joints)
 
 
+@pytest.mark.slow
 def test_which_recordings_are_usual_is_asked_again_beside_what_was_found_later():
     """A gain of the four others and a load of 1.75 kg were told: a load looks like a gain at first."""
     runs = [drive(k, NUMBERS + (k in (0, 3)) * added(1.5, 0.3), gain=1.2 if k == 1 else 1.0) for k in range(5)]
@@ -653,6 +681,7 @@ def test_channels_that_a_search_leaves_in_doubt_have_to_beat_what_belongs_to_rec
     assert told(found)["clock_rate"] == pytest.approx({f"run_{k}": 0.004 for k in range(4)}, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_torques_that_are_all_far_too_late_are_no_clock_of_most_recordings():
     runs = [late(drive(k), 0.15) for k in range(4)]
     found = discover(AXIS, runs[:3], runs[3])
@@ -670,6 +699,7 @@ def test_what_a_clock_leaves_is_noise_although_friction_reverses_in_a_moment(fas
     assert found.verdict == "adequate" and found.steps[-1].verify_rms < 1.2 * found.noise_floor
 
 
+@pytest.mark.slow
 def test_a_delay_that_all_recordings_have_is_the_machines():
     runs = [late(drive(k), 0.02) for k in range(4)]
     found = discover(AXIS, runs[:3], runs[3])
@@ -687,6 +717,7 @@ def test_an_encoder_that_was_zeroed_elsewhere_is_told_beside_an_effect_of_its_an
     assert told(found) == {"encoder_zero": pytest.approx({"run_0": 0.15}, abs=0.01)}
 
 
+@pytest.mark.slow
 def test_an_encoder_of_a_leg_is_no_zero_of_two_torque_sensors():
     """The shank weighs on both joints."""
     runs = [one.recording for one in simulate_runs(4, None, standard_leg(), seed=3)]

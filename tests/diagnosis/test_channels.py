@@ -65,6 +65,7 @@ def test_a_good_recording_raises_no_doubt(good):
     assert model_error(fitted) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cutoff", [None, 0.5])
 def test_noise_for_torque(good, cutoff):
     rng = np.random.default_rng(0)
@@ -78,6 +79,7 @@ def test_noise_for_torque(good, cutoff):
     assert found is not None and "variance unexplained" in found.sentence and "--map" in found.remedy
 
 
+@pytest.mark.slow
 def test_torque_of_another_motion(good):
     fitted = base([with_torque(one, good[(k + 1) % 3].tau) for k, one in enumerate(good)])
     assert doubts_after(fitted, fitted) is not None
@@ -115,6 +117,7 @@ def test_torque_logged_late_or_early(good, late):
     assert "shift the torque of the " in found.next_experiment and f" by {abs(late):g} s" in found.next_experiment
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [(0.12, 0.35, 0.2), (0.0, 0.3, -0.2)])
 def test_files_of_two_loggers_started_by_hand_are_each_told_their_time(good, late):
     moved = [with_torque(one, np.roll(one.tau, round(x * one.rate), axis=0)) for one, x in zip(good, late, strict=True)]
@@ -126,6 +129,7 @@ def test_files_of_two_loggers_started_by_hand_are_each_told_their_time(good, lat
         assert [float(x) for x in pair] == pytest.approx(late[:2], abs=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hertz", [1.0, 2.0, 8.0])
 def test_torque_behind_a_filter(good, hertz):
     pole = np.exp(-2.0 * np.pi * hertz / 100.0)
@@ -135,6 +139,7 @@ def test_torque_behind_a_filter(good, hertz):
     assert float(found.sentence.split(" Hz")[0].rsplit(" ", 1)[1]) == pytest.approx(hertz, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.xfail(strict=True, reason="spikes before the filter are smeared: what is left follows nothing")
 @pytest.mark.parametrize("hertz", [1.0, 2.0])
 def test_torque_with_spikes_behind_a_slow_filter(good, hertz):
@@ -151,6 +156,7 @@ def test_torque_with_spikes_behind_a_slow_filter(good, hertz):
     assert found.verdict == "check_channels" and "filter of first order" in found.sentence
 
 
+@pytest.mark.slow
 def test_one_late_channel_is_told_from_a_late_logger(good):
     def late(one):
         return with_torque(one, np.column_stack([one.tau[:, 0], np.roll(one.tau[:, 1], round(0.3 * one.rate))]))
@@ -172,6 +178,7 @@ def delayed(seconds):
     return lambda t, tau: np.column_stack([np.interp(t - seconds, t, column) for column in tau.T])
 
 
+@pytest.mark.slow
 def test_angles_too_noisy_for_accelerations(good):
     rng = np.random.default_rng(1)
     noisy = [replace(one, q=one.q + 0.05 * rng.normal(size=one.q.shape)) for one in good]
@@ -182,6 +189,7 @@ def test_angles_too_noisy_for_accelerations(good):
     assert unseen_by(fitted, angle_noise=1.0)
 
 
+@pytest.mark.slow
 def test_held_out_recordings_of_another_leg(good):
     other = BETA * np.array([1.4, 1.6, 1.5, 0.5, 1.3, 0.7, 1.4, 1.2])
     found = discover(MODEL, good[:2], [recording(9, beta=other)])
@@ -208,6 +216,7 @@ def test_nothing_is_accepted_and_the_verdict_says_what_to_check(good):
     assert told["verdict"] == "check_channels" and "logger" in told["next_experiment"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", [[50.0, 1.0], [1.0, 30.0]])
 def test_a_torque_on_the_motors_side_of_a_gear_is_told_with_the_ratio(good, gear):
     fitted = [with_torque(one, one.tau / gear) for one in good]
@@ -218,6 +227,7 @@ def test_a_torque_on_the_motors_side_of_a_gear_is_told_with_the_ratio(good, gear
     assert doubt.remedy in found.next_experiment
 
 
+@pytest.mark.slow
 def test_noise_free_recordings_with_nothing_hidden_are_adequate():
     clean = [recording(k, noise=0.0, angle_noise=0.0) for k in range(3)]
     found = discover(MODEL, clean[:2], clean[2:])

@@ -64,12 +64,14 @@ def test_an_error_that_grew_is_told_although_nothing_that_was_asked_differs():
     assert "the error of the knee grew from 0.2 to 3.1 N·m: look at the channels" in found((0.3, 3.1)).sentence
 
 
+@pytest.mark.slow
 def test_recordings_in_degrees_are_refused_and_no_load_of_another_sign_is_told():
     before, after = (one.recording for one in simulate_runs(2, None, standard_leg(), seed=3))
     with pytest.raises(RecordingError, match="in degrees"):
         compare_against(Model.standard(), [before], [replace(after, q=np.rad2deg(after.q))])
 
 
+@pytest.mark.slow
 def test_a_load_and_a_zero_are_told_beside_each_other():
     """The load was granted first, at the place where it took up the zero: 2.5 kg, and a ripple for what was left."""
     bench, leg = Bench(duration=25.0), standard_leg()

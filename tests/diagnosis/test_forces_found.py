@@ -72,6 +72,7 @@ def test_a_force_that_is_turned_round_is_doubted_and_no_other(worn, turned):
     assert gains[turned] < -0.5
 
 
+@pytest.mark.slow
 def test_noise_of_measured_forces_is_no_flexible_drive():
     """The second derivative of the model's torque holds that of the forces' noise, which what is left holds too."""
     bench = Bench(duration=15.0, walk=Walk(), measured=("plate",))
@@ -81,6 +82,7 @@ def test_noise_of_measured_forces_is_no_flexible_drive():
     assert np.std(again.motion.force - one.motion.force, axis=0) == pytest.approx(bench.sensors.plate_noise, rel=0.25)
 
 
+@pytest.mark.slow
 def test_on_a_plate_that_was_not_tared_nothing_is_named():
     """35 N that are not there were a spring across both joints."""
     bench = Bench(duration=15.0, walk=Walk(), measured=("plate",))
@@ -114,6 +116,7 @@ def test_practice_recordings_with_forces_leave_the_noise(name):
     assert np.all(found.verify_rms <= 1.15 * found.noise_floor)
 
 
+@pytest.mark.slow
 def test_a_person_who_is_not_measured_is_no_noise(worn):
     answer = discover(LEG, [replace(one, forces={}) for one in worn])
     assert answer.verdict != "adequate"

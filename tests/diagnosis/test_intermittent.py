@@ -48,6 +48,7 @@ def with_torque(change):
     return fitted(out)
 
 
+@pytest.mark.slow
 def test_a_foot_on_the_ground_is_suspected_with_its_size(walks):
     found = intermittent(fitted(walks))
     stance = np.mean([walked(seed)[2].mean() for seed in range(3)])
@@ -74,12 +75,14 @@ def test_in_the_air_nothing_is_suspected():
     assert intermittent(with_torque(lambda one, rng: np.zeros(one.tau.shape))) is None
 
 
+@pytest.mark.slow
 def test_contact_is_no_convention(walks, monkeypatch):
     assert check_conventions(walks) == ()
     monkeypatch.setattr(trimmed, "PART", 0.95)
     assert check_conventions(walks)
 
 
+@pytest.mark.slow
 def test_a_third_of_the_time_is_enough_although_the_search_begins_with_more(walks, monkeypatch):
     base = fitted(walks)
     assert intermittent(base) is not None
@@ -87,6 +90,7 @@ def test_a_third_of_the_time_is_enough_although_the_search_begins_with_more(walk
     assert intermittent(base) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("knee", "ground"), [(0.9, False), (1.7, True)])
 def test_what_hardly_moves_one_of_the_joints_is_no_ground(knee, ground, monkeypatch):
     """A push that follows the motion, 30 N·m at the hip; at the knee it is 2.2 and 4 times the error of the rest."""
@@ -99,6 +103,7 @@ def test_what_hardly_moves_one_of_the_joints_is_no_ground(knee, ground, monkeypa
     assert (intermittent(with_torque(bent)) is not None) is ground
 
 
+@pytest.mark.slow
 def test_an_end_stop_is_no_contact(monkeypatch):
     base = with_torque(lambda one, rng: np.column_stack([400.0 * np.maximum(one.q[:, 0] - 0.4, 0.0), 0.0 * one.t]))
     loose = replace(RULES, most=0.0, artefact=1.0)
@@ -108,6 +113,7 @@ def test_an_end_stop_is_no_contact(monkeypatch):
     assert intermittent(base, loose) is not None and may_be_explained(base, RULES)  # an effect is the better answer
 
 
+@pytest.mark.slow
 def test_what_is_now_small_now_large_has_no_quiet_part():
     def hand(one, rng):
         slow = np.sin(np.outer(one.t, rng.uniform(1.0, 6.0, 5)) + rng.uniform(0.0, 6.0, 5)).sum(axis=1)
@@ -118,6 +124,7 @@ def test_what_is_now_small_now_large_has_no_quiet_part():
     assert intermittent(base, replace(RULES, most=0.0)) is not None
 
 
+@pytest.mark.slow
 def test_a_load_that_hangs_there_twice_is_no_contact(monkeypatch):
     def load(one, rng):
         since = one.t - rng.uniform(4.0, 6.0)
@@ -135,12 +142,14 @@ def test_a_bump_that_curves_blur_is_no_contact():
     assert intermittent(base) is None
 
 
+@pytest.mark.slow
 def test_a_light_foot_of_the_bench_is_suspected():
     runs = simulate_runs(3, seed=4, bench=Bench(duration=20.0, walk=Walk(load=150.0), measured=()))
     found = intermittent(fitted([run.recording for run in runs]))
     assert 0.55 < found.share < 0.75 and 1.2 < found.period < 1.8 and "upwards" in found.force
 
 
+@pytest.mark.slow
 def test_contact_is_contact_although_curves_in_the_motion_predict_it(walks, monkeypatch):
     base = fitted(walks)
     assert intermittent(base, PREDICTED) is not None
@@ -150,6 +159,7 @@ def test_contact_is_contact_although_curves_in_the_motion_predict_it(walks, monk
     assert intermittent(base, PREDICTED) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("late", "ground"), [(0.0, True), (0.25, False)])
 def test_what_acts_while_the_foot_moves_one_way_is_the_ground_whichever_way_it_pushes(late, ground):
     """As on a person's leg, whose foot reaches beyond the link: torques change their signs in stance. Between steps, a
@@ -168,6 +178,7 @@ def test_what_acts_while_the_foot_moves_one_way_is_the_ground_whichever_way_it_p
     assert (intermittent(base, replace(PREDICTED, most=1.0 if ground else 0.5)) is None) is ground
 
 
+@pytest.mark.slow
 def test_soft_ground_at_a_height_is_contact_although_it_is_a_function_of_the_angles():
     def ground(one, rng):
         height = 1.0 - 0.4 * np.cos(one.q[:, 0]) - 0.43 * np.cos(one.q.sum(axis=1))

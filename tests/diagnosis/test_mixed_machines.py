@@ -71,6 +71,7 @@ def test_a_machine_of_both_kinds_of_joints_is_answered(seed):
     assert answer.verdict and answer.sentence and all(one.name for one in answer.model.terms)
 
 
+@pytest.mark.slow
 def test_one_of_them_is_answered_in_every_run():
     """A cart that slides and a pole that hangs from it, an offset of the cart's force."""
     model = Model("cart", joints=(Joint("cart", "prismatic", axis=(1, 0, 0)), Joint("pole", axis=(0, -1, 0))))
@@ -110,6 +111,7 @@ def test_a_length_that_enters_squared_is_not_tried_as_a_number():
             assert machine.with_effect(entry, joint).columns(motion).any()
 
 
+@pytest.mark.slow
 def test_curves_compete_with_an_effect_at_every_joint():
     """Bumps, in angles and positions, against a term with many numbers: their units are those of the joints."""
     model, runs = recordings_of(1)

@@ -52,6 +52,7 @@ def test_a_declared_zero_is_a_fact_without_sensor_noise():
     assert error is None or error.times < 100.0
 
 
+@pytest.mark.slow
 def test_nothing_of_a_drive_is_suspected_at_a_joint_without_one():
     model = Model.standard()
     prepared = prepare(model, [quiet(k).with_passive("knee") for k in range(2)], cutoff=5.0)

@@ -37,6 +37,7 @@ def moving():
     return [recordings(k + 1, place)[k] for k, place in enumerate(PLACES)]
 
 
+@pytest.mark.slow
 def test_a_stop_has_one_place_with_an_interval(still):
     found = discover(Model.standard(), still[:3], still[3])
     (stop,) = found.accepted
@@ -56,6 +57,7 @@ def test_places_of_their_own_are_found_where_the_stop_moves_and_it_is_said(movin
     assert "found in one half and judged on the other" in found.sentence
 
 
+@pytest.mark.slow
 def test_adding_the_effect_decides_alike(still, moving):
     for runs, own in ((still, False), (moving, True)):
         done = add(Model.standard(), "end_stop:hip", runs[:3], runs[3])
@@ -75,6 +77,7 @@ def test_each_half_of_an_unseen_recording_is_judged_by_the_place_of_the_other(mo
     assert np.allclose(changed.residuals[3][:, late] - usual.residuals[3][:, late], [[1.0], [0.0]])
 
 
+@pytest.mark.slow
 def test_places_that_are_the_same_do_not_pay(still):
     once, each = (Model.standard().with_effect("end_stop:hip", own_places=own) for own in (False, True))
     prepared = prepare(once, still)

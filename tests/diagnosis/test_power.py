@@ -40,6 +40,7 @@ def test_an_answer_that_nothing_is_missing_says_what_would_have_shown(nothing):
     assert told["viscous_cubic"]["unit"] == "N·m·s³/rad³"
 
 
+@pytest.mark.slow
 def test_a_size_that_no_effect_has_is_none_that_would_have_shown(monkeypatch):
     monkeypatch.setattr(power, "LARGEST", 1.0)
     shown = found(seconds=8.0).power
@@ -47,6 +48,7 @@ def test_a_size_that_no_effect_has_is_none_that_would_have_shown(monkeypatch):
     assert all(one.smallest <= one.usual or np.isinf(one.smallest) for one in shown)
 
 
+@pytest.mark.slow
 def test_what_is_so_large_is_found_and_what_is_much_smaller_is_not(nothing):
     size = next(one.smallest for one in nothing.power if one.name == "viscous_cubic:knee")
     large = found(Hidden("viscous_cubic", "knee", size=1.5 * size))
@@ -55,6 +57,7 @@ def test_what_is_so_large_is_found_and_what_is_much_smaller_is_not(nothing):
     assert not large.power
 
 
+@pytest.mark.slow
 def test_less_motion_shows_less(nothing):
     short = {one.name: one.smallest for one in found(seconds=8.0).power}
     long = {one.name: one.smallest for one in nothing.power}

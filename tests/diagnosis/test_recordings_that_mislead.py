@@ -51,6 +51,7 @@ def test_two_clocks_are_said_and_nothing_is_named(share):
     )
 
 
+@pytest.mark.slow
 def test_a_single_recording_tells_its_clock():
     answer = discover(Model(), [fast(0.004)(recording(0, noise=0.05))])
     (told,) = answer.of_recordings
@@ -72,6 +73,7 @@ def test_torques_of_single_recordings_that_come_late_are_told():
     assert found.low < 0.04 < found.high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("joint", "seconds"), [(0, 0.04), (1, 0.15)])
 def test_the_torque_of_one_joint_that_comes_late_in_one_recording_is_told_of_that(joint, seconds):
     given = runs()
@@ -87,6 +89,7 @@ def test_the_torque_of_one_joint_that_comes_late_in_one_recording_is_told_of_tha
     assert name == given[1].name and found.low < seconds < found.high and found.high - found.low < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [None, fast(1e-5)])
 def test_one_clock_is_not_told(change):
     given = runs(change)
@@ -133,6 +136,7 @@ def test_filtered_angles_are_said_and_nothing_is_named():
     assert answer.verdict == "check_channels" and not answer.accepted and "filtered before" in answer.sentence
 
 
+@pytest.mark.slow
 def test_where_the_model_explains_filtered_angles_it_is_said_with_that_reserve():
     given = runs(filtered(1.5))
     answer = discover(Model(), given[:3], given[3:])

@@ -57,6 +57,7 @@ def test_no_motion_for_exact_look_alikes():
     assert found.to_json()["never"] and found.plot() is not None
 
 
+@pytest.mark.slow
 def test_a_motion_for_rivals_that_differ():
     found = separate(LEG, ["viscous_quadratic:knee", "viscous_cubic:knee"], generations=12)
     assert found.separable and found.smallest > 1.5 * min(found.usual.values())

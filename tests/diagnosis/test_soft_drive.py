@@ -109,6 +109,7 @@ def extras(one: Motion, seed: int) -> dict[str, Float]:
     return {"stop": stop, "sway": sway, "stuck": stuck, "rotor": one.ddq * [0.0, 0.3]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["stop", "sway", "stuck", "rotor"])
 def test_what_is_no_elastic_drive_is_not_taken_for_one(what):
     runs = []

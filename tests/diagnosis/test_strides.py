@@ -69,6 +69,7 @@ def test_what_stands_or_stops_has_none():
     assert cut(np.sin(2.0 * np.pi * t)[:, None] * (t < 8.0)[:, None]) is None
 
 
+@pytest.mark.slow
 def test_where_contact_is_measured_strides_begin_at_the_step():
     walk = Walk(stride=1.3, stance=0.6)
     for measured in (("plate",), ("switch",)):

@@ -147,6 +147,7 @@ def test_what_was_refused_before_another_effect_came_is_still_possible_with_its_
 # -- a machine that cannot be ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_torque_that_is_a_constant_times_the_speed_is_no_machine():
     def made(seed):
         one, path = recording(seed), motion(seed)

@@ -52,6 +52,7 @@ def _glitch(t):
     return t
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "severity", "words"),
     [
@@ -106,6 +107,7 @@ def _spiked(x):
     return x
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("columns", "check", "words"),
     [

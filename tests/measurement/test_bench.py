@@ -193,6 +193,7 @@ def test_draws_respect_bounds_and_leave_some_legs_alone():
     assert signs == {-1.0, 1.0}
 
 
+@pytest.mark.slow
 def test_the_demo_is_small_and_regenerates(tmp_path):
     made = write_demo(tmp_path)
     shipped = Path(workbench.__file__).parent / "demo_data"

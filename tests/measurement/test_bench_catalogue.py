@@ -40,6 +40,7 @@ def plain():
     return run_bench(seed=1, bench=IDEAL)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "joint"), EVERYWHERE)
 def test_a_hidden_effect_is_the_models_own_torque(name, joint, plain):
     one = run_bench(effects=[Hidden(name, joint, VALUES.get((name, joint), {}))], seed=1, bench=IDEAL)

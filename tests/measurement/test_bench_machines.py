@@ -83,6 +83,7 @@ def test_what_the_bench_cannot_move_is_refused():
         run_bench(CRANE, standard_machine(DRIVE), bench=IDEAL)
 
 
+@pytest.mark.slow
 def test_a_light_wrist_overcomes_its_friction():
     quarter = 0.5 * np.pi
     places = ((0.0, 0.0, 0.2), (0.0, 0.1, 0.0), (0.4, 0.0, 0.0), (0.3, 0.0, 0.1), (0.0, 0.08, 0.0))

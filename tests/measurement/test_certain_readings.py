@@ -28,6 +28,7 @@ def said(recording, check="units"):
     return [finding for finding in recording.findings if finding.check == check]
 
 
+@pytest.mark.slow
 def test_angles_that_can_only_be_degrees_are_read_so_and_it_is_said():
     recording = read_recording(degrees(dq1=np.degrees(RATES["q1"]), dq2=np.degrees(RATES["q2"])))
     np.testing.assert_allclose(recording.q, np.column_stack([LEG["q1"], LEG["q2"]]))
@@ -37,11 +38,13 @@ def test_angles_that_can_only_be_degrees_are_read_so_and_it_is_said():
     assert "--units q=rad" in finding.remedy
 
 
+@pytest.mark.slow
 def test_velocities_in_rad_beside_angles_in_degrees_are_warned_of():
     recording = read_recording(degrees(dq1=RATES["q1"], dq2=RATES["q2"]))
     assert "0.0175 times the derivative" in said(recording, "velocity")[0].what
 
 
+@pytest.mark.slow
 def test_a_base_that_leans_by_degrees_is_read_as_the_joints_are():
     recording = read_recording(degrees(base_angle=8.0 * np.sin(LEG["t"])))
     assert recording.base[:, 0].max() < 0.2
@@ -69,6 +72,7 @@ def test_whole_numbers_may_be_counts_and_are_not_read_before_somebody_says():
     assert read_recording(columns, units={"q": "deg"}).q.max() < 2.0
 
 
+@pytest.mark.slow
 def test_a_shaft_before_its_gear_may_turn_often():
     columns = degrees()
     before = {f"{joint}_motor_angle": columns.pop(q) for joint, q in (("hip", "q1"), ("knee", "q2"))}

@@ -93,6 +93,7 @@ def test_a_convention_is_recognised_and_the_option_named_puts_it_right(names):
     assert not check_conventions([right])
 
 
+@pytest.mark.slow
 def test_the_option_names_files_where_others_are_right_as_they_stand():
     runs = [replace(motion(seed), name=f"run_{seed}") for seed in range(3)]
     wrong = [kept(run, "flexion-positive") for run in runs]
@@ -104,11 +105,13 @@ def test_the_option_names_files_where_others_are_right_as_they_stand():
     assert every.remedy == "if so, give --convention flexion-positive"
 
 
+@pytest.mark.slow
 def test_a_recording_that_would_not_move_in_the_other_reading_is_right_as_it_stands():
     (found,) = check_conventions([kept(motion(0), "degrees"), motion(1)])
     assert found.remedy == "if so, give --convention run0=degrees"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "names",
     [
@@ -131,6 +134,7 @@ def test_honest_recordings_give_no_finding():
     assert not check_conventions([motion(0, friction=False)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", ["flexion-positive", "hip-from-upright", "swapped-joints,hip-from-upright"])
 def test_conventions_are_recognised_beside_the_rotor_of_a_drive_and_model_error(names):
     """As on rigs with light links and geared motors: the rotor is as large as the shank, friction is not smooth."""
@@ -168,6 +172,7 @@ def test_one_file_of_another_convention_is_named():
     assert finding.where == "run2" and finding.remedy == "if so, give --convention run2=flexion-positive"
 
 
+@pytest.mark.slow
 def test_a_convention_given_wrongly_is_told():
     (finding,) = check_conventions([read_as(motion(), "flexion-positive")])
     assert finding.remedy == "if so, leave --convention away"
@@ -237,6 +242,7 @@ def test_what_one_file_says_alone_must_not_make_the_fit_of_all_worse(really, mon
     assert len(check_conventions(runs)) == really
 
 
+@pytest.mark.slow
 def test_a_leg_without_a_drive_at_the_hip_is_not_read_as_swapped():
     runs = [swung(seed, 700) for seed in range(2)]
     assert not check_conventions(runs)
@@ -263,16 +269,19 @@ def disturbed(run, size):
     return replace(run, tau=run.tau + size * run.tau.std(axis=0) * waves)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "named"), [(0.5, True), (0.55, False)])
 def test_a_reading_that_fits_badly_itself_is_not_named(size, named):
     assert (better([kept(disturbed(motion(), size), "load-torque")]) is not None) is named
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "named"), [(0.3, True), (0.35, False)])
 def test_a_reading_is_named_where_it_leaves_four_times_less(size, named):
     assert (better([kept(disturbed(motion(), size), "flexion-positive")]) is not None) is named
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "named"), [(0.02, True), (0.05, False)])
 def test_recordings_of_which_little_is_left_are_doubted_only_where_another_reading_is_far_better(size, named):
     assert (better([kept(disturbed(motion(), size), "absolute-shank")]) is not None) is named
@@ -287,6 +296,7 @@ def test_recordings_of_which_nearly_nothing_is_left_are_not_doubted(mass, named)
     assert (better([kept(run, "absolute-shank")]) is not None) is named
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ratio", "named"), [(5.0, False), (8.0, True)])
 def test_a_gear_is_looked_for_where_an_angle_turns_far(ratio, named):
     t, q, dq, _ = moved(0)

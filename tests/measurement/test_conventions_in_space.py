@@ -57,6 +57,7 @@ def kept(recording, names):
     return replace(recording, q=q, tau=tau)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("joints", "names"),
     [
@@ -83,6 +84,7 @@ def test_a_convention_of_an_arm_is_named_and_the_option_puts_it_right(joints, na
     np.testing.assert_allclose(right.tau, run.tau, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", ["elbow-motor-torque=8", "lift-motor-torque=50", "lift-motor=50"])
 def test_a_torque_of_the_motor_is_seen_by_what_its_links_share_with_the_others(names):
     (finding,) = check_conventions([kept(moved(ARM), names)], DOWN)
@@ -115,6 +117,7 @@ def test_a_zero_may_lie_at_any_angle_and_a_rails_at_any_place():
         conventions("nose-zero=90", ARM)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_stops_at_the_channels_and_says_the_option():
     found = discover(Model("arm", joints=ARM), [kept(moved(ARM), "lift-zero=90")])
     assert found.verdict == "check_channels" and "--convention lift-zero=90" in str(found.to_json())

@@ -55,6 +55,7 @@ def kept(recording, names):
     return replace(recording, q=q, tau=recording.tau @ np.linalg.inv(to.torque).T)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("joints", "names"),
     [
@@ -89,6 +90,7 @@ def test_a_convention_of_any_machine_is_named_and_the_option_puts_it_right(joint
     np.testing.assert_allclose(right.tau, run.tau, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joints", [LEG, ARM])
 @pytest.mark.parametrize("times", ["1:0:1:1", "0:1:1:1"])
 def test_torques_that_are_sums_of_two_drives_are_told_and_put_right(joints, times):

@@ -127,6 +127,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_named_with_place_and_remedy(clean, name):
     fault, check, words = FAULTS[name]
@@ -167,6 +168,7 @@ def test_no_number_is_still_a_refusal(clean):
         read(put(q1=lambda x: np.nan * x)(clean))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 20))])
 def test_clean_recordings_raise_no_alarm(seed):
     recording = bench(seed)

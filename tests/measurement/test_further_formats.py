@@ -40,6 +40,7 @@ def test_reads_alike_and_breaks_politely(name, tmp_path):
             assert len(shorter) < 800
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["a.xlsx", "a.tdms", "a.bag", "a.mcap", "a.db3", "a.mot", "v7.mat", "a.zip"])
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(noise=st.binary(max_size=300))

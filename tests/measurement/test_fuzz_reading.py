@@ -1,6 +1,7 @@
 """Whatever a file holds, it is read or refused; nothing else ever escapes."""
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tables import HEADER, lines
@@ -61,6 +62,7 @@ def read(tmp_path, data, name="fuzz.csv", **options):
     return recording
 
 
+@pytest.mark.slow
 @CALM
 @given(st.binary(max_size=600))
 def test_random_bytes(tmp_path, data):
@@ -68,6 +70,7 @@ def test_random_bytes(tmp_path, data):
         read(tmp_path, data, name)
 
 
+@pytest.mark.slow
 @CALM
 @given(st.text(max_size=400))
 def test_random_text(tmp_path, text):
@@ -75,6 +78,7 @@ def test_random_text(tmp_path, text):
     read(tmp_path, (HEADER + "\n" + text).encode("utf-8", "surrogatepass"))
 
 
+@pytest.mark.slow
 @CALM
 @given(
     st.lists(st.tuples(st.integers(0, 118), st.integers(0, 4), CELL), max_size=8),
@@ -88,6 +92,7 @@ def test_good_rows_with_wild_cells(tmp_path, changes, sep):
     read(tmp_path, text.encode("utf-8", "surrogatepass"))
 
 
+@pytest.mark.slow
 @CALM
 @given(st.lists(st.lists(CELL, min_size=5, max_size=5), max_size=30))
 def test_wild_tables(tmp_path, rows):
@@ -95,6 +100,7 @@ def test_wild_tables(tmp_path, rows):
     read(tmp_path, text.encode("utf-8", "surrogatepass"))
 
 
+@pytest.mark.slow
 @CALM
 @given(
     st.dictionaries(st.text(max_size=5), st.text(max_size=12), max_size=3),

@@ -120,6 +120,7 @@ CELLS = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(st.dictionaries(st.sampled_from(["t", "q", "a"]), CELLS), min_size=10, max_size=12) | CELLS)
 def test_no_json_ends_in_a_traceback(tmp_path_factory, value):
     path = tmp_path_factory.mktemp("json") / "any.json"

@@ -21,6 +21,7 @@ def day():
     return pd.DataFrame(columns)
 
 
+@pytest.mark.slow
 def test_stretches_of_a_long_text_are_the_rows_of_the_file(day, tmp_path):
     path = tmp_path / "day.csv"
     path.write_text("# made by a logger\n" + day.to_csv(index=False))
@@ -45,6 +46,7 @@ def test_parquet_is_cut_alike(day, tmp_path):
     np.testing.assert_allclose(run.tau[:, 1], day["tau2"].to_numpy()[first : first + len(run)])
 
 
+@pytest.mark.slow
 def test_a_measured_base_is_cut_with_its_recording(day, tmp_path, monkeypatch):
     monkeypatch.setattr(large, "STRETCH", 20.0)
     path = tmp_path / "day.csv"
@@ -53,6 +55,7 @@ def test_a_measured_base_is_cut_with_its_recording(day, tmp_path, monkeypatch):
         np.testing.assert_allclose(run.base[:, 0], 0.01 * np.sin(day["t"].to_numpy()[run.row - 2]), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_what_is_wrong_in_one_piece_is_said(day, tmp_path):
     table = day.copy()
     table.loc[20_000:20_100, "q1"] = np.nan

@@ -117,6 +117,7 @@ def test_a_column_called_as_the_model_writes_its_joint_is_that(names):
             assert meant is not None and meant.name == f"{quantity}{number}", (quantity, name)
 
 
+@pytest.mark.slow
 def test_written_and_read_again(tmp_path):
     q, tau = signals(3)
     run = Recording("three", T, q, tau, joints=LEG3).with_passive("ankle")

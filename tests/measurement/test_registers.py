@@ -122,6 +122,7 @@ def test_whole_numbers_of_a_plausible_size_are_not_asked():
     assert found.tau.max() == 40
 
 
+@pytest.mark.slow
 def test_the_zeros_of_encoders_are_found_and_named_where_a_scale_was_given(tmp_path):
     """Recordings of the demo, written as counts."""
     made = [{name: run[name] for name in ("t", "q1", "q2", "tau1", "tau2")} for run in DEMO[:2]]
@@ -139,6 +140,7 @@ def test_the_zeros_of_encoders_are_found_and_named_where_a_scale_was_given(tmp_p
     assert not compare(Model.standard(), [read_recording(one) for one in made]).misread
 
 
+@pytest.mark.slow
 def test_encoders_are_offered_one_resolution_and_a_wrong_one_is_named_as_steps_a_turn():
     """2000 counts a radian, of which 4096 a turn are said."""
     made = [

@@ -98,6 +98,7 @@ def test_an_insole_is_never_quite_zero(monkeypatch):
     assert chosen(read_recording(table(insole_force=load))).all()  # it seems never to leave the ground
 
 
+@pytest.mark.slow
 def test_on_the_swings_the_leg_is_explained_as_in_the_air():
     def seen(seed, **more):
         one = on_the_ground(seed)

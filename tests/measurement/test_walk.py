@@ -42,6 +42,7 @@ def test_no_two_strides_are_alike_and_the_foot_bears_load_in_stance_alone():
     assert np.std(peaks) > 10.0 and np.mean(peaks) == pytest.approx(300.0, rel=0.2)
 
 
+@pytest.mark.slow
 def test_the_ground_closes_the_equation_of_motion():
     one = run_bench(seed=1, bench=IDEAL)
     x, z = one.recording.forces["grf_x"], one.recording.forces["grf_z"]
@@ -52,6 +53,7 @@ def test_the_ground_closes_the_equation_of_motion():
     assert one.torque + np.column_stack([hip, knee]) == pytest.approx(one.true.torque(alone), abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("measured", "columns"),
     [
@@ -70,6 +72,7 @@ def test_recordings_have_the_columns_that_are_asked_for(measured, columns):
         assert np.array_equal(some.contact > 0.0, whole.forces["grf_z"] > 5.0)
 
 
+@pytest.mark.slow
 def test_the_same_seed_walks_the_same_and_another_does_not():
     first, again, other = (to_csv(run_bench(seed=seed, bench=WORN).recording) for seed in (5, 5, 6))
     assert first == again != other

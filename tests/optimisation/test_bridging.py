@@ -46,6 +46,7 @@ def test_a_straight_line_goes_on_straight():
     assert bridged.mean() == pytest.approx(18.0)
 
 
+@pytest.mark.slow
 def test_torque_near_standstill_is_of_no_consequence():
     model = Model.standard()
     recording = simulate_runs(1, None, standard_leg(), seed=2)[0].recording

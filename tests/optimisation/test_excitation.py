@@ -53,6 +53,7 @@ def test_every_optimiser_designs_motions(name):
     assert one.feasible and one.candidates[0].evaluations == 400 and one.value <= one.candidates[0].value
 
 
+@pytest.mark.slow
 def test_free_offsets_are_better_still(found):
     free = design(offsets="free")
     assert free.feasible and free.condition < 0.8 * found.condition
@@ -64,11 +65,13 @@ def test_the_value_is_that_of_the_regressor(found):
     assert found.condition == pytest.approx(np.linalg.cond(columns.reshape(-1, 8)), rel=3e-3)
 
 
+@pytest.mark.slow
 def test_start_and_end_at_rest_exactly():
     still = design(rest=True, generations=30).trajectory.at(np.array([0.0, 10.0]))
     assert np.abs(still.dq).max() < 1e-12 and np.abs(still.ddq).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("criterion", ["d_optimal", "worst"])
 def test_each_criterion_is_best_at_its_own(criterion, found):
     own = design(criterion=criterion, generations=150)
@@ -76,6 +79,7 @@ def test_each_criterion_is_best_at_its_own(criterion, found):
     assert own.value < other.value and own.feasible
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("harmonics", [2, pytest.param(5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("criterion", ["condition", "d_optimal", "worst"])
 def test_ipopt_knows_every_criterion(criterion, harmonics):
@@ -107,6 +111,7 @@ def test_predicted_deviations_are_those_of_fits(found):
     np.testing.assert_allclose(fits.std(axis=1), predicted, rtol=0.15)
 
 
+@pytest.mark.slow
 def test_limits_of_the_model_and_a_share_of_them():
     tight = {joint: Limits(TABLE_1[joint].angle, 0.5, 1.0) for joint in TABLE_1}
     from dataclasses import replace
@@ -117,6 +122,7 @@ def test_limits_of_the_model_and_a_share_of_them():
     assert np.abs(speeds.dq).max() <= 0.45 and np.abs(speeds.ddq).max() <= 0.9
 
 
+@pytest.mark.slow
 def test_models_with_effects_and_identified_numbers():
     model = Model.standard().with_effect("stribeck:knee").with_effect("load_friction:hip")
     one = design(model, criterion="worst", generations=40)
@@ -125,6 +131,7 @@ def test_models_with_effects_and_identified_numbers():
     assert any("operators with a past" in text for text in past.cautions)
 
 
+@pytest.mark.slow
 def test_a_plan_has_no_forces_and_says_so():
     worn = Model.standard().with_forces(Force("shank cuff", "knee", ("f2",)))
     told = design(worn, generations=3, individuals=5)
@@ -133,12 +140,14 @@ def test_a_plan_has_no_forces_and_says_so():
     assert told.value == bare.value and not any("push" in text for text in bare.cautions)
 
 
+@pytest.mark.slow
 def test_numbers_no_motion_determines_are_said():
     model = Model.standard().with_effect("drive_gain:hip").with_effect("drive_gain:knee")
     blind = design(model, generations=5)
     assert not blind.informative and any("carries no information on" in text for text in blind.cautions)
 
 
+@pytest.mark.slow
 def test_without_a_compiler_the_numbers_are_the_same(monkeypatch):
     fast = design(generations=4, individuals=5)
     real = excitation.information
@@ -148,6 +157,7 @@ def test_without_a_compiler_the_numbers_are_the_same(monkeypatch):
     assert slow.candidates[0].value == pytest.approx(fast.candidates[0].value, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_motion():
     one, two, other = (design(generations=10, seed=s).trajectory.sine for s in (4, 4, 5))
     np.testing.assert_array_equal(one, two)
@@ -189,6 +199,7 @@ def test_the_smooth_stand_in_bounds_the_condition():
     assert np.all(softened(gram) >= 2.0 * np.log(condition(gram)) - 1e-12)
 
 
+@pytest.mark.slow
 def test_results_show_themselves(found):
     assert "cond" in repr(found) and "<table" in found._repr_html_()
     assert list(found.to_frame().columns) == ["value", "unit", "deviation", "relative"]

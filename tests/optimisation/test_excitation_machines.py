@@ -18,6 +18,7 @@ MACHINES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MACHINES)
 def test_both_backends_make_the_same_sums(name):
     model, rng = MACHINES[name], np.random.default_rng(0)

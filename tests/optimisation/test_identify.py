@@ -46,6 +46,7 @@ def test_the_truth_is_found(fit):
         fit.estimate("nonsense")
 
 
+@pytest.mark.slow
 def test_a_fit_shows_and_writes_itself(fit):
     text = repr(fit)
     assert "viscous:knee" in text
@@ -60,6 +61,7 @@ def test_a_fit_shows_and_writes_itself(fit):
     assert len(fit.plot().axes) == 4
 
 
+@pytest.mark.slow
 def test_a_joint_that_is_modelled_badly_bends_the_other_less_where_joints_are_weighted():
     clean = record(noise=2.0, samples=700, step=0.05)
     bump = np.where(clean.motion.q[:, 0] > np.median(clean.motion.q[:, 0]), 60.0, 0.0)

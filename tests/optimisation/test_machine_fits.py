@@ -19,6 +19,7 @@ CHAIN = Model("arm", joints=(Joint("shoulder", length=0.3), Joint("elbow")))
 SLIDE = Model("slide", gravity=0.0, joints=(Joint("stage", "prismatic"),))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [DRIVE, SLIDE], ids=["drive", "slide"])
 def test_the_numbers_of_the_bench_are_found_again(model):
     runs = [run_bench(model, seed=4, index=k, bench=Bench(duration=20.0)) for k in range(2)]
@@ -29,6 +30,7 @@ def test_the_numbers_of_the_bench_are_found_again(model):
     assert len(fit.plot().axes) == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chain", [(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle")), DRIVE.chain])
 def test_the_best_possible_links_of_any_machine(chain):
     model = Model("machine", joints=chain)
@@ -48,6 +50,7 @@ def test_the_best_possible_links_of_any_machine(chain):
     assert huber(held.data.residual(rods), held.delta) > held.loss
 
 
+@pytest.mark.slow
 def test_links_that_cannot_be_are_told():
     run = run_bench(CHAIN, seed=4, bench=Bench(duration=8.0)).recording
     fit = identify(CHAIN, [replace(run, tau=run.tau * [1.0, -0.2])], optimisers=())

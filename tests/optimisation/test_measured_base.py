@@ -36,6 +36,7 @@ def test_the_bench_moves_the_base_and_its_torque_is_that_of_the_model(run):
     assert np.abs(run.true.torque(still) - run.torque).max() > 0.5, "what the base does is felt at the joints"
 
 
+@pytest.mark.slow
 def test_the_numbers_are_those_of_the_machine_and_without_the_base_they_are_not(run):
     truth = np.array(standard_machine(PACK).base)
     fit, blind = (

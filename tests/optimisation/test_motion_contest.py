@@ -90,6 +90,7 @@ def test_recordings_do_not_belong_to_it():
         rivals(LEG, [object()], problem="excitation")
 
 
+@pytest.mark.slow
 def test_motions_compete_with_one_that_was_designed():
     few = {"individuals": 6, "generations": 20}
     found = design(criterion="worst", **few)

@@ -41,6 +41,7 @@ def test_what_moves_is_named(fitted):
     assert all("outside its interval" in f.what and " Hz" in f.what for f in near.findings())
 
 
+@pytest.mark.slow
 def test_a_cut_off_too_fast_for_the_clock_is_left_out(fitted):
     model, _, _, _ = fitted
     runs = simulate_runs(2, None, standard_leg(), seed=4, bench=Bench(duration=20.0, rate=25.0))

@@ -75,6 +75,7 @@ def masks(draw):
     return missing
 
 
+@pytest.mark.slow
 @given(masks(), st.sampled_from([0.005, 0.05, 0.5]), st.integers(0, 99))
 @settings(max_examples=12, deadline=None)
 def test_a_true_model_leaves_filtered_noise_whichever_samples_are_hidden(missing, noise, seed):
@@ -93,6 +94,7 @@ def test_a_true_model_leaves_filtered_noise_whichever_samples_are_hidden(missing
     assert left(one, model, linear) == pytest.approx(alone, rel=0.1, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [100.0, 500.0, 1000.0])
 @pytest.mark.parametrize("effect", [None, *HIDDEN])
 def test_an_effect_in_the_model_leaves_the_noise_and_the_floor_says_so(effect, rate):
@@ -105,6 +107,7 @@ def test_an_effect_in_the_model_leaves_the_noise_and_the_floor_says_so(effect, r
     assert max(float(one.outliers.max()) for one in prepared.train) < 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [100.0, 1000.0])
 @pytest.mark.parametrize("noise", [0.05, 0.5])
 def test_the_noise_floor_is_that_of_the_operator(noise, rate):

@@ -40,6 +40,7 @@ def fitted(runs, length=0.4):
     return identify(Model.standard(thigh_length=length), prepared.train, optimisers=()), prepared
 
 
+@pytest.mark.slow
 def test_honest_recordings_agree_and_a_change_is_seen():
     found = by_recording(fitted([run(0), run(1), run(2)])[0])
     assert found.recordings == ("run0", "run1", "run2") and len(found.trusted()) == len(found.rows)

@@ -64,6 +64,7 @@ def slsqp(data, delta, start):
     return found.x * scale
 
 
+@pytest.mark.slow
 @given(
     st.tuples(*[st.floats(0.1, 1.5)] * 4, *[st.floats(-0.3, 1.5)] * 4),
     st.integers(0, 50),
@@ -135,6 +136,7 @@ def test_positive_masses_are_inside_and_the_mass_matrix_is_definite():
             assert one + 2.0 * three * cos > 0.0 and (one + 2.0 * three * cos) * two - off**2 > 0.0
 
 
+@pytest.mark.slow
 def test_identify_says_what_a_possible_leg_costs():
     recordings = [run.recording for run in simulate_runs(2, None, standard_leg(), seed=1, bench=Bench(duration=15.0))]
     wrong = [replace(r, tau=r.tau - np.array([0.0, 4.0]) * np.gradient(r.q, r.t, axis=0)) for r in recordings]
@@ -148,6 +150,7 @@ def test_identify_says_what_a_possible_leg_costs():
     assert json.loads(json.dumps(held.to_json()))["physical"]["violated"] == ["viscous:knee"]
 
 
+@pytest.mark.slow
 def test_from_the_command_line(tmp_path, capsys):
     files = []
     for k, run in enumerate(simulate_runs(2, None, standard_leg(), seed=1, bench=Bench(duration=10.0))):

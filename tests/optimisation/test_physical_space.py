@@ -50,6 +50,7 @@ def arm(seed, count, noise, kinds=("revolute",)):
     return model, LinearData(columns, tau, np.zeros(SAMPLES, int), names, units)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "noise"), [(0, 0.03), (8, 0.03), (16, 1e-3), (17, 1e-3)])
 def test_every_answer_is_possible_proven_and_has_bodies(seed, noise):
     model, data = arm(seed, 3 + seed % 5, noise, KINDS[seed % 3])
@@ -69,6 +70,7 @@ def test_every_answer_is_possible_proven_and_has_bodies(seed, noise):
     np.testing.assert_allclose(again, phi, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_another_solver_finds_nothing_better():
     """Each body's pseudo-inertia is a triangle times its transpose: all that can be, and nothing else."""
     model, data = arm(2, 3, 0.03)
@@ -104,6 +106,7 @@ def test_what_can_be_stays_as_it_is():
     assert certify_physical(data, found, np.full(3, np.inf), possible).holds
 
 
+@pytest.mark.slow
 def test_a_possible_fit_is_not_called_impossible():
     runs = [run.recording for run in simulate_runs(2, WRIST, seed=3, bench=Bench(duration=12.0))]
     free, held = (identify(WRIST, runs, optimisers=(), physical=physical) for physical in (False, True))
@@ -126,6 +129,7 @@ def test_an_arm_of_small_inertias_goes_out_to_simulators():
     check(mjcf.write(one, Options())["exoid_leg.xml"], model, given, mujoco_reads)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_numbers_that_no_matrices_have_are_no_traceback(seed):
     """Multipliers then run away, as far as matrices of which nothing can be inverted."""

@@ -242,6 +242,7 @@ def test_ecdf_is_the_share_of_pairs_solved():
     assert runtime_ecdf(hits, np.array([1.0, 2.0, 10.0])).tolist() == [0.25, 0.5, 0.75]
 
 
+@pytest.mark.slow
 def test_the_result_shows_itself(found):
     assert "certified optimum" in repr(found)
     assert all(name in found._repr_html_() for name in found.outcomes)
@@ -257,6 +258,7 @@ def test_the_result_shows_itself(found):
     assert all(a.get_xlabel() and a.get_ylabel() for a in figure.axes)
 
 
+@pytest.mark.slow
 def test_iohinspector_reads_the_logs(found, tmp_path):
     inspector = pytest.importorskip("iohinspector")
     found.write_logs(tmp_path)
@@ -273,6 +275,7 @@ def test_iohinspector_reads_the_logs(found, tmp_path):
         assert np.allclose(sorted(mine["raw_y"]), sorted(np.concatenate([run.gaps for run in runs])))
 
 
+@pytest.mark.slow
 def test_the_paper_s_problem_is_proven_and_has_the_paper_s_size():
     contest = contest_module.paper_contest()
     assert isinstance(contest, Contest)
@@ -289,6 +292,7 @@ def test_whitened_nfo_is_at_the_optimum_within_half_the_budget_on_every_seed():
     assert np.all(found.hits("nfo_whitened", np.array([1e-12])) <= 8000)
 
 
+@pytest.mark.slow
 def test_the_example_of_the_page_runs(capsys, tmp_path):
     page = (Path(__file__).parents[2] / "docs" / "add_an_optimiser.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"^```python\n(.*?)^```", page, flags=re.S | re.M)

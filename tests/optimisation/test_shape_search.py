@@ -49,6 +49,7 @@ def test_starts_in_two_valleys_do_not_agree():
     assert found.agreeing == (1, 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["multistart", "nfo"])
 def test_identify_searches_as_it_is_told(how):
     runs = simulate_runs(
@@ -69,6 +70,7 @@ def test_an_unknown_way_is_refused():
         identify(Model.standard(), [runs[0].recording], shape_search="simulated_annealing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "names",
     [

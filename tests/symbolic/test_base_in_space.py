@@ -47,6 +47,7 @@ def inertial_of(pin, robot, model):
     return np.einsum("pjk,jk->p", model.mixture, numbers)
 
 
+@pytest.mark.slow
 def test_the_torque_is_that_of_a_free_flyer():
     pin = pytest.importorskip("pinocchio")
     robot = pin.buildModelFromXML(TEXT, pin.JointModelFreeFlyer())
@@ -65,6 +66,7 @@ def test_the_torque_is_that_of_a_free_flyer():
         np.testing.assert_allclose(found[k], wanted, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_base_that_rests_is_none_and_more_of_the_first_link_is_seen_otherwise():
     still = replace(motion_of(STILL), base=None)
     resting = replace(still, base=np.zeros((len(still), 12)))
@@ -75,6 +77,7 @@ def test_a_base_that_rests_is_none_and_more_of_the_first_link_is_seen_otherwise(
     assert len(ARM.inertial) > len(STILL.inertial)
 
 
+@pytest.mark.slow
 def test_the_equations_are_checked():
     model = ARM.with_forces(Force("hand", "j3", ("a", "b", "c"), (0.1, 0.0, 0.2), FIXED))
     checks = check_equations(model)

@@ -39,6 +39,7 @@ def masses(model):
     return [numbers[p.link, p.kind] + sum(f * numbers[k, kind] for k, kind, f in p.parts) for p in found], numbers
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["auto", "vm"])
 @pytest.mark.parametrize(
     ("joints", "gravity", "terms"),
@@ -100,6 +101,7 @@ def test_two_joints_on_one_axis_are_a_machine(tmp_path):
     assert np.abs(x @ np.linalg.lstsq(x, y, rcond=None)[0] - y).max() < 1e-10
 
 
+@pytest.mark.slow
 def test_two_joints_that_are_hip_and_knee_give_the_torque_of_the_leg():
     """The general derivation against the leg's own, of the same masses."""
     joints = (Joint("hip", length=0.40), Joint("shank"))
@@ -114,6 +116,7 @@ def test_two_joints_that_are_hip_and_knee_give_the_torque_of_the_leg():
     np.testing.assert_allclose(general, leg.torque(on, [*paper, 1.0, 2.0, 3.0, 4.0]), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_many_joints_use_the_recursion_itself():
     joints = tuple(Joint(f"j{k}", length=0.2) for k in range(tree_columns.LONGEST_SYMBOLIC + 1))
     model, on = machine(joints), motion(len(joints), 4)
@@ -183,6 +186,7 @@ def test_units_of_a_drive_that_slides():
         Model.standard().with_effect(force, "knee")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("on_leg", "on_chain", "numbers", "shape"),
     [
@@ -210,6 +214,7 @@ def test_what_changes_the_mechanism_changes_it_as_it_changes_the_leg(on_leg, on_
     assert np.abs(general - chain.base().torque(on, [*phi, *([0.0] * 4)])).max() > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joints", [KNEE, LEG3])
 def test_a_base_that_turns_and_is_accelerated(joints):
     moving = Model("backpack", limits={}, joints=joints, moving_base=True)

@@ -25,6 +25,7 @@ def test_committed_files_are_reproduced():
     assert stale_files(Model.standard(), GENERATED) == ()
 
 
+@pytest.mark.slow
 def test_another_process_with_another_hash_seed_writes_the_same_bytes():
     script = (
         "from exoid.symbolic import Model; from exoid.symbolic.codegen.code import generate; "

@@ -36,6 +36,7 @@ def modified(theta, d, a, alpha):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["standard", "modified"])
 def test_a_mass_at_the_end_pulls_as_the_matrices_say(tmp_path, kind):
     model = dh_machine(table(tmp_path), kind)

@@ -51,6 +51,7 @@ def evaluated(matrix, values):
     return np.asarray(function(*(values[symbol.name] for symbol in symbols)), dtype=float)
 
 
+@pytest.mark.slow
 def test_they_are_those_that_are_computed(model):
     found = exoid.equations(model)
     at, linear, shape, values = state(model)
@@ -64,6 +65,7 @@ def test_they_are_those_that_are_computed(model):
         np.testing.assert_allclose(torque, code.inverse_dynamics(at, linear, shape)[0], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_python_for_sympy_and_casadi_says_the_same(model, tmp_path):
     found = exoid.equations(model)
     values = state(model)[-1]

@@ -197,6 +197,7 @@ def test_a_name_of_the_effect_goes_before_the_constant():
     assert parse("pi", ["pi"]) == parse("pi", [])
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(trees)
 def test_written_and_read_again_it_is_the_same(tree):

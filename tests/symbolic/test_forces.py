@@ -48,6 +48,7 @@ def test_the_cuffs_of_the_leg_act_as_the_formula_says():
     assert leg.torque(motion, linear) == pytest.approx(-np.column_stack([hip, knee]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moving", [False, True])
 def test_virtual_work_and_newton_euler_ask_the_drives_for_the_same_on_a_tree(moving):
     forces = [
@@ -63,6 +64,7 @@ def test_virtual_work_and_newton_euler_ask_the_drives_for_the_same_on_a_tree(mov
     assert all(check.holds for check in checks), [str(check) for check in checks]
 
 
+@pytest.mark.slow
 @given(
     frame=st.sampled_from([NORMAL, WORLD, VERTICAL, TORQUE]),
     link=st.sampled_from(["hip", "knee", "ankle", "other"]),
@@ -88,6 +90,7 @@ def test_place_and_gain_may_be_known_or_numbers_of_the_model(frame, link, at, ga
         assert np.abs(model.torque(motion, numbers_of) - wanted).max() < 1e-9 * size
 
 
+@pytest.mark.slow
 def test_compiled_code_and_columns_agree_beside_effects_that_follow_the_model():
     leg = Model.standard().with_forces(*CUFFS).with_effect("load_friction:knee").with_effect("time_delay:hip")
     motion = motion_of(leg)
@@ -95,6 +98,7 @@ def test_compiled_code_and_columns_agree_beside_effects_that_follow_the_model():
     assert leg.torque(motion, linear) == pytest.approx(compiled(leg).inverse_dynamics(motion, linear))
 
 
+@pytest.mark.slow
 def test_a_force_is_no_part_of_the_rigid_body_torque_that_friction_follows():
     leg = Model.standard().with_effect("load_friction:knee")
     pushed = leg.with_forces(Force("shank cuff", "knee", ("f2",), at=0.2))
@@ -104,6 +108,7 @@ def test_a_force_is_no_part_of_the_rigid_body_torque_that_friction_follows():
     assert apart == pytest.approx(pushed_torques(placed_joints(leg), motion.q, pushed.forces[0], 0.2, motion.force))
 
 
+@pytest.mark.slow
 def test_a_measured_base_turns_the_point_with_it():
     model = Model(joints=TREE[:2], moving_base=True).with_forces(Force("g", "knee", ("x", "z"), at=0.3))
     motion = motion_of(model)

@@ -38,6 +38,7 @@ def motion_of(model, seed=0, count=12):
     return Motion(np.arange(count) * 0.01, *states, force=rng.normal(size=(count, len(model.channels))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("columns", [WRENCH[:3], WRENCH], ids=["force", "wrench"])
 @pytest.mark.parametrize("frame", [LINK, FIXED])
 @pytest.mark.parametrize("link", ["j2", "j3"])
@@ -56,6 +57,7 @@ def test_the_torque_is_that_of_pinocchios_jacobian(link, frame, columns):
         np.testing.assert_allclose(found[k], -jacobian.T @ motion.force[k], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_newton_and_euler_confirm_virtual_work_also_behind_a_wrong_zero():
     model = ARM.with_forces(FLANGE, Force("about", "j1", ("interaction_torque_j1",), frame=TORQUE))
     checks = [check for check in check_equations(model) if check.name == "measured forces"]
@@ -69,6 +71,7 @@ def test_newton_and_euler_confirm_virtual_work_also_behind_a_wrong_zero():
     assert min(np.abs(one - plain).max() for one in both) < 1e-12
 
 
+@pytest.mark.slow
 def test_the_gain_may_be_a_number_of_the_model_and_the_sign_turned():
     known, open_ = (ARM.with_forces(replace(FLANGE, gain=gain, sign=-1)) for gain in (1.7, None))
     motion = motion_of(known)

@@ -65,6 +65,7 @@ def fresh_cache(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["auto", "vm"])
 @pytest.mark.parametrize("make", [Model.standard, rich_model])
 def test_columns_and_torque_agree(make, backend):
@@ -209,6 +210,7 @@ def test_fitness_keeps_nan_to_the_candidate_that_has_it():
         one.huber(population, [0.0, 1.0])
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_the_cache_is_used_and_a_damaged_entry_is_rebuilt(fresh_cache, monkeypatch):
     from exoid.symbolic.codegen import kernel
@@ -285,6 +287,7 @@ print(one.backend, repr(float(one.columns(motion)[0, 0, 0])))
 """
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_two_processes_at_once(tmp_path):
     environment = {"EXOID_CACHE": str(tmp_path), "PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
@@ -296,6 +299,7 @@ def test_two_processes_at_once(tmp_path):
     assert not list(tmp_path.glob(".*"))
 
 
+@pytest.mark.slow
 def test_warm_start_needs_neither_sympy_nor_casadi():
     script = SCRIPT + "import sys\nprint('sympy' in sys.modules, 'casadi' in sys.modules)"
     for _ in range(2):
@@ -330,6 +334,7 @@ ANSWERS = '[ "$1" = --version ] && echo fake cc && exit'
 EMPTY = "for last; do :; done; while [ $# -gt 0 ]; do [ $1 = -o ] && out=$2; shift; done"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("script", "patience", "said"),
     [

@@ -36,6 +36,7 @@ def test_virtual_machine(effect, joint):
     compare(Model.standard().with_effect(effect, joint), "vm")
 
 
+@pytest.mark.slow
 def test_the_whole_catalogue_at_once_in_c():
     model = Model.standard()
     for effect, joint in TERMS:

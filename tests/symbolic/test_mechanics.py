@@ -44,6 +44,7 @@ def test_plain_leg(m, inertia, along, seed):
     near(Model.standard().torque(motion, linear), expected(reference, motion))
 
 
+@pytest.mark.slow
 @quick
 @given(pairs, pairs, pairs, st.tuples(unit, unit), seeds)
 def test_masses_off_axis(m, inertia, along, across, seed):
@@ -66,6 +67,7 @@ def test_tilt_and_knee_zero(m, inertia, along, tilt, offset, seed):
     near(expected(replace(reference, tilt=0.0, offset=(tilt, offset)), motion), expected(reference, motion))
 
 
+@pytest.mark.slow
 @quick
 @given(pairs, pairs, pairs, st.tuples(unit, unit, unit, unit), st.tuples(st.floats(0.2, 5.0), unit), seeds)
 def test_moving_base_on_a_leg_off_axis(m, inertia, along, sway, shape, seed):
@@ -127,6 +129,7 @@ def test_printing_error_is_found():
     assert "entry (1, 3)" in str(entry)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", [(), ("com_offset_shank", "gravity_tilt", "encoder_offset_knee", "base_motion")])
 def test_every_check_holds(effects):
     model = Model.standard()

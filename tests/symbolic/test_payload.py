@@ -74,6 +74,7 @@ def test_the_bench_loads_a_leg_as_segments_would():
     assert standard_leg().with_payload(2.0, 0.35).base == pytest.approx(wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", [None, "load_friction:knee=0.2"])
 def test_loaded_and_bare_recordings_are_one_leg(effect):
     hidden = () if effect is None else (parse_hidden(effect),)

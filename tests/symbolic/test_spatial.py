@@ -59,6 +59,7 @@ def test_effects_of_a_plane_have_no_place(effect):
         machine(ELBOW).with_effect(effect)
 
 
+@pytest.mark.slow
 def test_an_encoder_that_reads_too_little():
     model, on = machine(ELBOW), motion(2)
     off = model.with_effect("encoder_offset:lift")
@@ -67,6 +68,7 @@ def test_an_encoder_that_reads_too_little():
     np.testing.assert_allclose(off.torque(on, linear, np.array([0.2])), model.torque(moved, linear), atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["auto", "vm"])
 def test_numpy_and_generated_code_agree(backend):
     model = machine((*ELBOW, Joint("slide", "prismatic", axis=(1, 0, 0), origin=Origin((0, 0, 0.2)))))
@@ -80,6 +82,7 @@ def test_numpy_and_generated_code_agree(backend):
     np.testing.assert_allclose(fast.columns(on, None, linear), model.columns(on, None, linear), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_every_check_of_the_equations_holds():
     for model in (machine(ELBOW), machine(PANDA[:4], (1.0, 2.0, -9.0))):
         assert all(check.holds for check in check_equations(model)), list(map(str, check_equations(model)))
@@ -133,6 +136,7 @@ def own_numbers(robot, names):
     return np.array([robot.inertias[robot.getJointId(name)].toDynamicParameters()[order] for name in names])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "count", "kinds", "branch"), ARMS)
 def test_pinocchio_computes_the_same(seed, count, kinds, branch):
     pin = pytest.importorskip("pinocchio")

@@ -15,6 +15,7 @@ def run(*words):
     return main(["design", *words])
 
 
+@pytest.mark.slow
 def test_files_and_json(tmp_path, capsys):
     out = tmp_path / "motion"
     assert run(*FAST, "--out", str(out), "--json", str(tmp_path / "d.json"), "--rest", "--rate", "50") == 0
@@ -44,6 +45,7 @@ def test_look_alikes_are_status_one(capsys):
     assert "no motion can distinguish them" in said and "A known mass added at a known place" in said
 
 
+@pytest.mark.slow
 def test_rivals_with_recordings(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     making = "simulate --effect viscous_quadratic:knee=3 --runs 1 --duration 20 --seed 5 --out runs --quiet"

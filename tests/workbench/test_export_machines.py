@@ -213,6 +213,7 @@ def odd_urdf(seed: int) -> str:
     return f'<robot name="odd">{"".join(parts)}</robot>'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_numbers_go_into_an_odd_urdf(seed, tmp_path):
     pin, mujoco = pytest.importorskip("pinocchio"), pytest.importorskip("mujoco")

@@ -60,6 +60,7 @@ def mujoco_reads(text, q, dq, ddq):
     return state.qfrc_inverse
 
 
+@pytest.mark.slow
 def test_urdf_and_mjcf_have_the_torque():
     model, given = identified()
     one = ready(model, given)
@@ -67,6 +68,7 @@ def test_urdf_and_mjcf_have_the_torque():
     check(mjcf.write(one, Options())["exoid_leg.xml"], model, given, mujoco_reads)
 
 
+@pytest.mark.slow
 def test_gravity_goes_out_as_a_vector():
     from dataclasses import replace
 
@@ -77,6 +79,7 @@ def test_gravity_goes_out_as_a_vector():
     check(text, tilted, given, mujoco_reads)
 
 
+@pytest.mark.slow
 def test_numbers_go_into_the_arms_own_urdf(tmp_path):
     model, given = identified()
     path = tmp_path / "arm.urdf"
@@ -89,6 +92,7 @@ def test_numbers_go_into_the_arms_own_urdf(tmp_path):
         into_urdf(ready(model, given), path)
 
 
+@pytest.mark.slow
 def test_numbers_that_no_bodies_have_are_refused():
     model, given = identified()
     one = next(p.name for p in model.inertial if p.min == 0.0)
@@ -128,6 +132,7 @@ def test_the_command_makes_a_model_of_an_arm(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "done" / "arm_identified.urdf").is_file()
 
 
+@pytest.mark.slow
 def test_friction_rotors_and_springs_go_out_in_mujocos_conventions():
     """MuJoCo's torque has its own damping, armature and springs, and frictionloss times the sign of the rate."""
     mujoco = pytest.importorskip("mujoco")

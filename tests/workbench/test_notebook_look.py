@@ -47,6 +47,7 @@ def test_it_shows_itself(name, results):
     assert len(repr(results[name])) < 4000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Fit", "Comparison", "Diagnosis", "Waterfall", "Addition"])
 def test_a_result_has_a_picture(name, results):
     assert "<img src='data:image/" in results[name]._repr_html_()

@@ -62,6 +62,7 @@ def swung(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_a_load_of_which_only_the_link_is_known_is_weighed_and_placed(swung, tmp_path):
     # All of them are called run_0 or run_1: a load is that of a file, not of a name.
     files = [str(swung / part) for part in ("bare/run_0.csv", "loaded/run_0.csv", "bare/run_1.csv")]

@@ -38,6 +38,7 @@ def test_exported_code_takes_the_forces_and_moves_the_limb_too(tmp_path):
     assert np.abs(module.torque(t, q, dq, ddq, 0.0 * force) - wanted).max() > 1.0
 
 
+@pytest.mark.slow
 def test_rivals_of_pushed_recordings_are_fitted_with_what_pushed(recordings):
     found = separate(WORN, ["load_friction:knee", "stribeck:knee"], recordings, generations=2, seed=1)
     assert found.rivals[0].own["load_friction:knee.c"] == pytest.approx(0.25, abs=0.01)

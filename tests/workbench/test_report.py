@@ -95,6 +95,7 @@ def test_hostile_text_stays_text():
     assert Page(text).scripts == 1
 
 
+@pytest.mark.slow
 def test_every_section_is_shown_with_its_title():
     text = render_report(material())
     shown = [section for section in find_sections() if section.context(material()) is not None]
@@ -122,6 +123,7 @@ def test_a_page_does_not_tell_where_its_maker_keeps_files():
     assert "run_0.csv, column tau2" in text and "leg.toml" in text
 
 
+@pytest.mark.slow
 def test_the_answer_is_open_and_the_rest_is_folded():
     text = render_report(material())
     assert text.index('class="verdict') < text.index('<details class="folded">')
@@ -155,6 +157,7 @@ def test_an_almost_empty_page_renders():
     assert "only this" in render_report(Material(title="t", answer="only this"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("verdict", ["adequate", "missing", "ambiguous", "unexplained"])
 def test_every_verdict_renders(verdict):
     assert f'class="verdict {verdict}"' in render_report(replace(material(), diagnosis=FakeDiagnosis(verdict=verdict)))
@@ -176,10 +179,12 @@ def test_files_of_a_report(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_the_same_material_gives_the_same_page():
     assert render_report(material()) == render_report(material())
 
 
+@pytest.mark.slow
 def test_svg_follows_dark_mode_and_heavy_figures_become_png():
     svg = adaptive(to_svg(figure()))
     assert "prefers-color-scheme:dark" in svg

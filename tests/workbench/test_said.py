@@ -22,6 +22,7 @@ def files(tmp_path):
     return [str(tmp_path / f"run_{k}.csv") for k in range(3)]
 
 
+@pytest.mark.slow
 def test_repairs_are_one_line_gone_when_quiet_and_whole_when_verbose(files, capsys):
     def repairs(*options):
         assert main(["compare", *files, *options]) == 0

@@ -101,6 +101,7 @@ def test_json_alone_on_standard_output(verb, stand_in, capsys):
     assert calls[0][1]["seed"] == 5
 
 
+@pytest.mark.slow
 def test_json_file_report_and_table_together(stand_in, tmp_path, capsys):
     stand_in("discovery", "discover", FakeDiagnosis())
     stand_in("comparison", "compare_prepared", FakeComparison())
@@ -146,6 +147,7 @@ def test_add_never_overwrites_the_model_it_comes_from(tmp_path, monkeypatch, cap
     assert model.read_text("utf-8") == 'name = "my leg"\n'
 
 
+@pytest.mark.slow
 def test_demo_opens_the_seal_and_writes_the_report(stand_in, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     stand_in("discovery", "discover", FakeDiagnosis())
@@ -158,6 +160,7 @@ def test_demo_opens_the_seal_and_writes_the_report(stand_in, tmp_path, monkeypat
     assert (tmp_path / "exoid-demo" / "report.html").is_file()
 
 
+@pytest.mark.slow
 def test_simulate_identify_and_reveal(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["simulate", "--blind", "--runs", "2", "--duration", "5", "--out", "b", "--seed", "3"]) == 0

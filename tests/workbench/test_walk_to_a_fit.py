@@ -138,6 +138,7 @@ MADE = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MADE)
 def test_files_as_people_make_them_lead_to_a_fit(name, tmp_path, capsys):
     columns, model, options = MADE[name]
@@ -213,6 +214,7 @@ def of_a_robot(folder):
     return ["run.npz", "--model", "arm.urdf"], []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "fill",
     [as_long_table, as_long_table_of_other_names, as_lists, as_lists_of_state_alone, as_arrays,

@@ -19,18 +19,16 @@ EXACT = 1e-8
 """Share of a squared torque up to which two are the same but for rounding."""
 
 
-def _on_fitted(evidence: Evidence, parts: Sequence[Columns]) -> Iterator[tuple[Float, Float]]:
-    """Yield at every node the columns (samples, m) on fitted recordings as they are, and what is new in them beside the
-    present model.
+def _on_fitted(
+    evidence: Evidence, parts: Sequence[Columns], nodes: Sequence[int] | None = None
+) -> Iterator[tuple[Float, Float]]:
+    """Yield at every node, or some, the columns (samples, m) on fitted recordings as they are, and what is new in them
+    beside the present model.
     """
-    for node in range(len(parts[0].values)):
-        yield _beside(evidence, evidence.basis, parts, node)
-
-
-def _beside(evidence: Evidence, basis: Float, parts: Sequence[Columns], node: int) -> tuple[Float, Float]:
-    """Columns of a node on the recordings of `parts`, or those fitted, as they are, and what is new beside `basis`."""
-    whole = np.concatenate([c.full(node, len(b.use))[b.use] for c, b in zip(parts, evidence.train, strict=False)])
-    return whole, whole - basis @ (basis.T @ whole)
+    basis = evidence.basis
+    for node in range(len(parts[0].values)) if nodes is None else nodes:
+        whole = np.concatenate([c.full(node, len(b.use))[b.use] for c, b in zip(parts, evidence.train, strict=False)])
+        yield whole, whole - basis @ (basis.T @ whole)
 
 
 def is_within(context: SearchContext, extension: Extension, evidence: Evidence, rival: Candidate, plain: Score) -> bool:
@@ -65,17 +63,26 @@ def contains(
     ends = (nodes == nodes.min(axis=1, keepdims=True)) | (nodes == nodes.max(axis=1, keepdims=True))
     limits = np.where(ends.any(axis=(0, 2)), limit, EXACT) * np.sum(torque**2)
     parts = context.library.columns(rival, extension.fitted)
-    # What numbers of its own leave on the first recording is no more than what common ones leave there: mostly enough.
-    first = int(np.count_nonzero(evidence.train[0].use))
-    alone = np.linalg.qr(evidence.basis[:first])[0]
-
-    def left(node: int, basis: Float, some: Sequence[Columns], torque: Float) -> float:
-        """Square left of a torque by the columns of a node and those of the model."""
-        _, own = _beside(evidence, basis, some, node)
-        torque = torque - basis @ (basis.T @ torque)
-        return float(np.sum((torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]) ** 2))
-
+    near = np.flatnonzero(_least_left(evidence, parts[0], torque) <= limits).tolist()
     return any(
-        left(node, alone, parts[:1], torque[:first]) <= most and left(node, evidence.basis, parts, torque) <= most
-        for node, most in enumerate(limits)
+        np.sum((torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]) ** 2) <= limits[node]
+        for node, (_, own) in zip(near, _on_fitted(evidence, parts, near), strict=True)
     )
+
+
+def _least_left(evidence: Evidence, parts: Columns, torque: Float) -> Float:
+    """Square (V,) that the columns of each node leave of a torque at least: what they leave of the first recording with
+    numbers of its own.
+    """
+    use, found = evidence.train[0].use, []
+    count = np.count_nonzero(use)
+    basis = np.linalg.qr(evidence.basis[:count])[0]
+    wanted = torque[:count] - basis @ (basis.T @ torque[:count])
+    for piece in parts.pieces:
+        values = parts.some(piece).values
+        whole = np.zeros((len(values), *use.shape, values.shape[3]))
+        whole[:, list(parts.joints)] = values
+        own = whole[:, use] - basis @ (basis.T @ whole[:, use])
+        taken = np.swapaxes(np.linalg.qr(own)[0], 1, 2) @ wanted
+        found.append(wanted @ wanted - np.sum(taken**2, axis=1))
+    return np.concatenate(found)

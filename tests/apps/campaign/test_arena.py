@@ -55,6 +55,7 @@ def test_the_true_torque_is_not_away_and_noise_is_away_by_one(sealed):
     assert sealed.away(last.torque + noise) == pytest.approx(expected, rel=0.15)
 
 
+@pytest.mark.slow
 def test_sums_of_products_say_what_a_regression_on_samples_says(sealed):
     table = Table(sealed.task)
     one = table.fitted.prepared.train
@@ -98,6 +99,7 @@ def test_every_entry_is_short_and_says_what_it_is():
         assert module.TITLE and callable(module.answer)
 
 
+@pytest.mark.slow
 def test_names_are_distinct_and_every_plant_has_its_part_in_the_first_of_them():
     every = names()
     assert len(set(every)) == len(every)
@@ -106,6 +108,7 @@ def test_names_are_distinct_and_every_plant_has_its_part_in_the_first_of_them():
     assert len(others) == len(every) and not {*others} & {*every}
 
 
+@pytest.mark.slow
 def test_rivals_that_select_name_what_is_plain(sealed):
     for entry in ("friction_models", "stepwise"):
         said = importlib.import_module(f"benchmarks.arena.entries.{entry}").answer(sealed.task)
@@ -113,6 +116,7 @@ def test_rivals_that_select_name_what_is_plain(sealed):
         assert sealed.away(said.torque) < 3.0
 
 
+@pytest.mark.slow
 def test_answers_are_kept_and_asked_once(tmp_path, capsys):
     words = [str(tmp_path), "--only", CASE, "--entries", "base_model", "--processes", "1"]
     assert main(words) == 0

@@ -73,6 +73,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(module, "PAUSE", 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ships", [False, True])
 @pytest.mark.parametrize("how", ["away", "another", "a folder"])
 def test_a_recording_that_is_away_leaves_no_answer_to_the_whole_group(how, ships, fleet, quick):
@@ -96,6 +97,7 @@ def test_a_recording_that_is_away_leaves_no_answer_to_the_whole_group(how, ships
     assert again.rows[1]["result"]["verify_rms"] and len(again.rows[1]["recordings"]) == 1
 
 
+@pytest.mark.slow
 def test_one_that_comes_back_while_the_job_runs_is_waited_for(fleet, monkeypatch):
     path, kept = fleet / "data" / "d-1" / "run_2.csv", fleet / "kept.csv"
     shutil.copy(path, kept)
@@ -104,6 +106,7 @@ def test_one_that_comes_back_while_the_job_runs_is_waited_for(fleet, monkeypatch
     assert found.counts == {"done": 2}
 
 
+@pytest.mark.slow
 def test_one_that_comes_back_between_two_looks_is_no_refusal(fleet, quick, monkeypatch):
     """The command does not find it; when it is asked which recording that was, all are there."""
     path, kept = fleet / "data" / "d-1" / "run_1.csv", fleet / "kept.csv"
@@ -119,6 +122,7 @@ def test_one_that_comes_back_between_two_looks_is_no_refusal(fleet, quick, monke
     assert found.counts == {"done": 2} and not found.rows[1]["unreadable"]
 
 
+@pytest.mark.slow
 def test_what_is_refused_for_good_stays_refused(fleet, quick):
     (fleet / "data" / "d-1" / "run_1.csv").write_text("t,q1,q2,tau1,tau2\n1,2\n")
     (fleet / "data" / "d-1" / "run_3.csv").write_text("t,q1,q2,tau1,tau2\n1,2\n")
@@ -127,6 +131,7 @@ def test_what_is_refused_for_good_stays_refused(fleet, quick):
     assert run(fleet).kept == 2
 
 
+@pytest.mark.slow
 def test_one_that_cannot_be_looked_at_does_not_stop_the_others(fleet, quick, monkeypatch):
     from exoid.apps.campaign import store
 
@@ -161,6 +166,7 @@ def test_a_task_says_what_was_looked_at(fleet):
 # -- names ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_field_that_was_renamed_keeps_its_column(fleet):
     assert [row["device"] for row in (run(fleet), table(fleet))[1]] == ["d 1", "d-1"]
     (fleet / "plan.toml").write_text(PLAN.replace("{device}", "{leg}"))
@@ -168,6 +174,7 @@ def test_a_field_that_was_renamed_keeps_its_column(fleet):
     assert [row["leg"] for row in table(fleet)] == ["d 1", "d-1"] and "device" not in table(fleet)[0]
 
 
+@pytest.mark.slow
 def test_devices_with_the_same_recordings_stay_several_and_it_is_said(fleet, capsys):
     for run_file in (fleet / "data" / "d 1").iterdir():
         shutil.copy(run_file, fleet / "data" / "d-1" / run_file.name)
@@ -221,6 +228,7 @@ def test_a_pipe_or_link_among_the_answers_is_refused_before_the_work_starts(flee
         run(fleet)
 
 
+@pytest.mark.slow
 def test_an_engine_that_is_lost_midway_leaves_what_was_answered(fleet):
     asked = []
 
@@ -245,6 +253,7 @@ def test_an_executor_that_takes_no_more_jobs_is_said_in_words(fleet):
         run(fleet, using=engine(closed))
 
 
+@pytest.mark.slow
 def test_a_job_of_a_worker_that_was_lost_is_tried_again_next_time(fleet):
     class Gone(Here):
         def submit(self, fn, /, *args, **kwargs):
@@ -256,6 +265,7 @@ def test_a_job_of_a_worker_that_was_lost_is_tried_again_next_time(fleet):
     assert found.counts == {"crashed": 2} and run(fleet).counts == {"done": 2}
 
 
+@pytest.mark.slow
 def test_workers_of_this_machine_check_what_they_read(fleet):
     path = fleet / "data" / "d-1" / "run_1.csv"
     store, job = JobStore(fleet / "out", versions()), read_plan(fleet / "plan.toml").jobs[1]
@@ -278,6 +288,7 @@ def test_a_recording_that_is_gone_when_it_is_looked_at_is_away(fleet):
         store.key(job)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("far", ["sent", pytest.param("dask", marks=pytest.mark.slow)])
 def test_answers_name_the_files_of_the_sender_wherever_they_are_made(far, fleet):
     (fleet / "data" / "d-1" / "run_3.csv").write_text("nothing here\n")

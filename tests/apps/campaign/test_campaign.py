@@ -82,6 +82,7 @@ def test_going_on_does_nothing_twice_and_writes_the_same_bytes(finished, plan_fi
     assert before == {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["threads", "loky"])
 def test_any_executor_gives_the_same_bytes(kind, finished, plan_file, tmp_path):
     """As docs/campaigns.md says."""

@@ -56,6 +56,7 @@ def test_shapes_of_a_sliding_joint_are_those_of_a_drum():
     assert Term(SLIDE.find_effect("torque_ripple"), "axis", SLIDE.joints).placed_shape["n"].unit == "1/m"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["drive", "slide"])
 def test_what_is_hidden_in_other_machines_can_be_seen(kind):
     names = [case.name for case in cases([kind], 1, first=3)]
@@ -104,6 +105,7 @@ def test_every_kind_of_machine_is_drawn_anew():
         assert one.joint_names == other.joint_names and one.motion_limits != other.motion_limits
 
 
+@pytest.mark.slow
 def test_a_cuff_on_one_joint_is_the_look_alike_of_the_mass_off_axis_that_it_is():
     names = ["encoder_offset:axis", "com_offset:axis", "cuff_interaction", "gravity_tilt"]
     hidden = [Hidden(DRIVE.find_effect("com_offset"), "axis", {"m_y": 0.08})]
@@ -118,6 +120,7 @@ def test_a_cuff_on_one_joint_is_the_look_alike_of_the_mass_off_axis_that_it_is()
     assert {*found.last.never} == {*found.last.alike}
 
 
+@pytest.mark.slow
 def test_friction_that_builds_up_slowly_is_no_late_torque():
     """It lags behind the direction of motion as a late torque does; the entry explains more than another timing."""
     case = Case.named("drive/hysteresis:axis/900")

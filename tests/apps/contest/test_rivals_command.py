@@ -30,6 +30,7 @@ def test_it_compares_on_the_virtual_bench_and_goes_on_where_it_was(tmp_path, cap
     assert again["optimisers"] == found["optimisers"]
 
 
+@pytest.mark.slow
 def test_it_compares_on_recordings(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["simulate", "--runs", "1", "--duration", "10", "--out", ".", "--quiet"]) == 0
@@ -39,6 +40,7 @@ def test_it_compares_on_recordings(tmp_path, monkeypatch, capsys):
     assert "run_0" in found["problem"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -123,6 +123,7 @@ def on_the_page(folder):
         space.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fill", FOLDERS, ids=lambda fill: fill.__name__)
 def test_a_folder_has_the_same_answer_on_the_page_and_on_the_command_line(fill, tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("EXOID_CACHE", str(tmp_path / "cache"))

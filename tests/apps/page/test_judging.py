@@ -38,6 +38,7 @@ def space(tmp_path):
     workspace.close()
 
 
+@pytest.mark.slow
 def test_the_answer_comes_by_itself_and_nothing_is_added_until_asked(space, tmp_path):
     start_work(space)
     first = wait_for(space, lambda shown: shown["ready"] and shown["fitted"])
@@ -86,6 +87,7 @@ def test_it_can_be_switched_off(space):
     assert shown["auto"] == {"on": False, "running": False} and shown["verdict"]["kind"] == "open"
 
 
+@pytest.mark.slow
 def test_a_report_before_anything_was_judged_is_of_the_machine_and_not_of_a_leg(tmp_path):
     drive = Model("drive", joints=(Joint("drive"),))
     write_model(drive, tmp_path / "drive.toml")
@@ -99,6 +101,7 @@ def test_a_report_before_anything_was_judged_is_of_the_machine_and_not_of_a_leg(
     assert "drive" in page and "the knee" not in page
 
 
+@pytest.mark.slow
 def test_numbers_of_recordings_are_in_the_error_after_and_not_in_the_one_before(tmp_path):
     drive = Model("drive", joints=(Joint("drive"),))
     write_model(drive, tmp_path / "drive.toml")

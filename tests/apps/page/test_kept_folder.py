@@ -96,6 +96,7 @@ def test_a_closed_recording_leaves_the_folder_and_is_not_lost(runs, workspace, t
     assert aside.read_text() == HEAD + "0,0,0,1,0\n" and len(list((kept / "recordings").iterdir())) == 1
 
 
+@pytest.mark.slow
 def test_dropped_recordings_that_are_closed_are_nowhere_any_more(runs, workspace, tmp_path):
     """Their only copies were the page's own, and the disk of who drops and closes all day would fill."""
     space = workspace()
@@ -236,6 +237,7 @@ def holder(tmp_path):
     process.stdout.close()
 
 
+@pytest.mark.slow
 def test_another_process_has_it(runs, workspace, tmp_path, holder, capsys):
     pytest.importorskip("fcntl")
     assert holder.stdout.readline() == "held\n"
@@ -304,6 +306,7 @@ def killed_at(count, work):
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="only where processes are copied")
 @pytest.mark.parametrize("links", [True, False], ids=["", "without hard links"])
 def test_it_is_whole_whenever_the_process_is_killed(links, runs, workspace, tmp_path, monkeypatch):

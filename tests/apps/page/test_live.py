@@ -54,6 +54,7 @@ def asked(server, path, body=None, method=None):
             return error.code, json.loads(error.read() or b"{}")
 
 
+@pytest.mark.slow
 def test_absurd_messages_are_refused_in_words(serve):
     server = serve()
     for action in sorted(set(actions()) - {"demo", "discover"}):
@@ -67,6 +68,7 @@ def test_absurd_messages_are_refused_in_words(serve):
     assert asked(server, "/api/state")[0] == 200
 
 
+@pytest.mark.slow
 def test_a_message_that_never_ends_is_cut_off(serve):
     server = serve()
     assert "too long" in asked(server, "/api/add", b" " * 1_500_000)[1]["refused"]["what"]

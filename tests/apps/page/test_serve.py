@@ -35,6 +35,7 @@ print("the interpreter ends by itself", flush=True)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("endless", "writing", "patience"), [(True, 0.0, 0.5), (False, 0.5, 60.0)])
 def test_what_still_works_is_waited_for_and_never_aborts(tmp_path, endless, writing, patience):
     pytest.importorskip("uvicorn")

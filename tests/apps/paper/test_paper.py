@@ -98,6 +98,7 @@ def test_a_power_in_a_formula_is_kept_in_the_terminal():
     assert _plain("**1.01** (`a**b` to **2**)") == "1.01 (a**b to 2)"
 
 
+@pytest.mark.slow
 def test_the_misprint_is_found_and_costs_error_at_the_hip(two):
     found = equation_regressor.answer(two)
     assert found.holds == IN_PART and "(1, 3)" in found.why and "15 of 16" in found.found
@@ -136,6 +137,7 @@ def _published_fast(experiments):
     return evaluate(paper_trajectory(8.0), experiments.leg)
 
 
+@pytest.mark.slow
 def test_infinite_thresholds_are_the_sum_of_squares():
     squared = paper_contest(individuals=8, generations=20, delta=np.full(2, np.inf))
     best = solve_sse(squared.data)
@@ -174,6 +176,7 @@ def short(experiments, monkeypatch):
     return experiments
 
 
+@pytest.mark.slow
 def test_what_competes_is_judged_by_what_it_found(two, monkeypatch):
     """In three generations nobody is near an optimum, and who is ahead is said."""
     few = short(Experiments(seeds=2), monkeypatch)
@@ -218,6 +221,7 @@ def test_the_command_lists_all(capsys):
     assert "leave out --list" in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_page_its_pictures_and_a_report(tmp_path, capsys):
     out = tmp_path / "paper"
     assert main(["paper", "--figure", "4", "--table", "1", "--out", str(out), "--json", str(tmp_path / "p.json")]) == 0

@@ -111,6 +111,7 @@ def test_the_description_is_what_the_standard_asks_for(exported, version, kind):
     assert all(one.unit for one in description.modelVariables)
 
 
+@pytest.mark.slow
 def test_sources_are_inside_and_need_nothing_else(exported, tmp_path):
     for name, path in exported[2].items():
         with zipfile.ZipFile(path) as archive:
@@ -128,6 +129,7 @@ def test_sources_are_inside_and_need_nothing_else(exported, tmp_path):
         assert made.returncode == 0, made.stderr
 
 
+@pytest.mark.slow
 def test_the_same_model_is_the_same_file():
     model, numbers = plain()
     one, again = (fmu.write(ready(model, numbers), Options("leg", STEP)) for _ in range(2))
@@ -146,6 +148,7 @@ def test_inverse_dynamics_is_the_models_torque(exported, tmp_path, version):
     np.testing.assert_allclose(found, expected(model, numbers, on), rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 @compiles
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize(("name", "joint"), [("hysteresis", "hip"), ("time_delay", "hip")])
@@ -224,6 +227,7 @@ def test_model_exchange_and_co_simulation_agree(exported, version, kind):
     np.testing.assert_allclose(*(list(end) for end in ends), rtol=1e-4, atol=1e-4)
 
 
+@pytest.mark.slow
 @compiles
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_estimator_gives_the_numbers_of_the_one_in_python(exported, tmp_path, version):
@@ -304,6 +308,7 @@ def test_without_a_compiler_the_sources_are_there(monkeypatch, tmp_path):
             assert "sources/fmu.c" in archive.namelist()
 
 
+@pytest.mark.slow
 def test_what_cannot_be_an_fmu_is_said():
     model, numbers = variant("hysteresis", "hip")
     with pytest.raises(ExportError, match="sampled"):
@@ -326,6 +331,7 @@ def test_a_machine_of_three_joints_on_a_moving_base_has_its_inputs():
     assert names[:3] == named("q", "abc") and "base.angle" in names and names[-3:] == named("tau", "abc")
 
 
+@pytest.mark.slow
 def test_the_command_writes_fmus_only_where_they_are_asked_for(tmp_path, capsys):
     lines = [f'"{name}" = {value}' for name, value in plain()[1].linear.items()]
     text = "\n".join(['name = "leg"', "[identified.parameters]", *lines])

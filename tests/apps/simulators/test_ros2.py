@@ -126,6 +126,7 @@ def motion(size: int) -> Motion:
     return Motion(np.zeros(12), q, dq, ddq)
 
 
+@pytest.mark.slow
 def test_friction_that_is_of_the_velocity_completes_the_torque(tmp_path):
     model, given = variant("stribeck", "knee")
     model = model.with_effect("joint_spring", "hip").with_effect("rotor_inertia", "knee")
@@ -137,6 +138,7 @@ def test_friction_that_is_of_the_velocity_completes_the_torque(tmp_path):
     assert not any("depends on more" in note for note in ros2.notes(ready(model, given), Options()))
 
 
+@pytest.mark.slow
 def test_friction_that_depends_on_more_is_in_the_whole_torque_and_is_said(tmp_path):
     chain = (Joint("lift", "prismatic", length=0.3), Joint("arm"))
     model = Model("lift", limits={}, joints=chain).with_effect("load_friction:arm")

@@ -166,6 +166,7 @@ def test_a_file_in_utf_16_is_followed(tmp_path: Path) -> None:
     assert len(np.concatenate([lines.feed(text or "") for text in grown(path, False)])) == 3
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.text(st.sampled_from('0123456789.,;:-+e{}[]"tq_au# \t\r\nnaif\x00\ufeff'), max_size=60), max_size=6))
 def test_whatever_comes_is_read_or_refused_in_words(pieces: list[str]) -> None:

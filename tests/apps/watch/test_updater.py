@@ -25,6 +25,7 @@ NUMBERS = Numbers(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 @pytest.mark.parametrize("rate", [100.0, 500.0])
 def test_c_and_python_agree_to_1e_9(tmp_path, rate):
@@ -110,6 +111,7 @@ def followed(c, run, bad=slice(0, 0), column=0, value=0.0):
     return np.array(state[:8]), said
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
 @pytest.mark.parametrize("value", [1e308, -1e308, np.nan, np.inf, 1e12, 1e6, 60.0])
 @pytest.mark.parametrize("column", [0, 1, 3])

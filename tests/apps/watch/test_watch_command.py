@@ -35,6 +35,7 @@ def wait_for(path: Path, text: str, count: int, process: subprocess.Popen[str]) 
     until(there, lambda: path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: Path) -> None:
     log, out = tmp_path / "log.csv", tmp_path / "out.jsonl"
     log.write_text(HEADER + rows(0, 300) + "3.00,0.5,-0.", encoding="utf-8")
@@ -77,6 +78,7 @@ def test_standard_input_that_is_closed_is_refused(
     assert "standard input is closed" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_numbers_of_a_model_file_are_said_not_to_be_used_and_a_result_is_no_model(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -92,6 +94,7 @@ def test_numbers_of_a_model_file_are_said_not_to_be_used_and_a_result_is_no_mode
     assert "exoid identify --write" in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix")
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
 @pytest.mark.parametrize("piped", [False, True])
@@ -132,6 +135,7 @@ def test_a_slow_stream_is_refused_in_words(tmp_path: Path, capsys: pytest.Captur
     assert "Phi1" not in said.out
 
 
+@pytest.mark.slow
 def test_a_logger_that_starts_again_in_degrees_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log, out = tmp_path / "log.csv", tmp_path / "out.jsonl"
     again = "Logger restarted\nt,q2 [deg],q1 [deg],tau1,tau2\n"
@@ -144,6 +148,7 @@ def test_a_logger_that_starts_again_in_degrees_is_told(tmp_path: Path, capsys: p
     assert "named anew" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["", HEADER, "nothing here\n"])
 def test_where_nothing_was_looked_for_the_exit_status_says_so(
     tmp_path: Path, text: str, capsys: pytest.CaptureFixture[str]

@@ -198,6 +198,7 @@ def test_what_is_no_broker_is_refused(address):
         Broker(address, "leg-7")
 
 
+@pytest.mark.slow
 def test_what_was_learnt_comes_back_as_it_was(learnt, stream):
     content = learnt.state().to_bytes()
     again = Watcher(Model.standard(), learnt.settings, restored=WatchState.from_bytes(content))
@@ -213,6 +214,7 @@ def test_what_was_learnt_comes_back_as_it_was(learnt, stream):
     assert Watcher(Model.standard(), learnt.settings, restored=WatchState(older, kept.about)).push(stream[6000:7500])
 
 
+@pytest.mark.slow
 def test_what_changed_goes_on_to_be_known_and_new_damage_is_none_of_it(learnt, stream):
     """Friction of the knee rises by 2 N·m while nobody watches; what is usual stays what it was."""
     damaged = stream.copy()
@@ -246,6 +248,7 @@ def test_a_state_of_something_else_is_refused(learnt, stream):
         Watcher(Model.standard(), learnt.settings, restored=WatchState.from_bytes(content)).push(slow[:3000])
 
 
+@pytest.mark.slow
 def test_the_command_keeps_what_it_learns_and_goes_on_with_it(tmp_path, stream, capsys):
     name, state = str(tmp_path / "run.csv"), tmp_path / "leg.state"
     np.savetxt(name, stream[:4500], delimiter=",", header="t,q1,q2,tau1,tau2", comments="")

@@ -126,6 +126,7 @@ def test_the_estimator_is_weighted_least_squares_as_long_as_nothing_is_forgotten
     np.testing.assert_allclose(one.linear, wanted, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_parameter_without_excitation_keeps_value_and_certainty() -> None:
     rng = np.random.default_rng(1)
     one = _estimator()

@@ -65,6 +65,7 @@ def worn() -> Recording:
     return simulate(MODEL, seed=4, bench=Bench(duration=60.0, wearer=Wearer()))
 
 
+@pytest.mark.slow
 def test_the_places_of_cuffs_are_learnt_with_the_leg() -> None:
     found = replay(MODEL, worn(), QUICK)
     known = {e.name: e for e in next(e for e in found.events if e.event == "reference").estimates}
@@ -75,6 +76,7 @@ def test_the_places_of_cuffs_are_learnt_with_the_leg() -> None:
     assert {"thigh cuff.at", "shank cuff.at"} <= set(found.names)
 
 
+@pytest.mark.slow
 def test_a_force_of_the_model_is_taken_out_of_what_the_numbers_are_told_by() -> None:
     own = rows()
     force = waving(own[:, 0])
@@ -86,6 +88,7 @@ def test_a_force_of_the_model_is_taken_out_of_what_the_numbers_are_told_by() -> 
         assert one.name == other.name and one.value == pytest.approx(other.value, rel=0.02, abs=0.02)
 
 
+@pytest.mark.slow
 def test_what_was_learnt_beside_a_force_survives_a_restart() -> None:
     own = rows()
     samples, model = pushed(own, waving(own[:, 0])), MODEL.with_forces(CUFF)
@@ -97,6 +100,7 @@ def test_what_was_learnt_beside_a_force_survives_a_restart() -> None:
     assert not any(e.alarm for e in told)
 
 
+@pytest.mark.slow
 def test_a_force_that_never_acted_is_learnt_when_it_does() -> None:
     own = rows(150.0)
     force = np.where(own[:, 0] > 60.0, waving(own[:, 0]), 0.0)
