@@ -20,6 +20,7 @@ from exoid.diagnosis.rules import Rules
 from exoid.ground.minimum import minimum
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import least_of
+from exoid.measurement.signals.conditioning import response_seconds
 from exoid.optimisation.linear.loss import huber_terms
 from exoid.optimisation.linear.uncertainty import covariance, critical_value
 from exoid.optimisation.preparation.filtering import PreparedRecording
@@ -176,14 +177,17 @@ class OwnNumbers:
         return carrying.beside_own(self._own(carrying, unseen=unseen))
 
     def _moved(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
-        """Return a recording with the motion that its torques are of: that of other times, or at other angles; where
-        that of one joint comes late it shows later that this sticks.
+        """Return a recording with the motion that its torques are of: that of other times, or at other angles, which
+        about the moment of a slip nobody knows; where that of one joint comes late it shows later that this sticks.
         """
         times, angles, late = one.motion.t.copy(), np.zeros(one.motion.q.shape), []
+        slips, reach = np.zeros(len(times), dtype=bool), 0.5 * response_seconds(one.cutoff)
         for j, half, numbers in self._halves(one, unseen=unseen):
             for held, number in of_part(self.held, numbers, j):
                 if held.claim.turns is not None:
                     angles[:, held.claim.turns] += half * number
+                    for moment in filter(None, self.parts[j].span(self.now.prepared)):
+                        slips |= np.abs(one.motion.t - moment) <= reach
                 elif held.claim.moves:
                     later = held.claim.moves(replace(self._seen(one, j), number=number)) - one.motion.t
                     if held.claim.of_motion:
@@ -192,7 +196,7 @@ class OwnNumbers:
                         late.append((self.now.model.joint_names.index(str(held.claim.place)), -float(later.mean())))
         timed = one if np.array_equal(times, one.motion.t) else one.at_times(times)
         turned = timed.changed(motion=replace(timed.motion, q=timed.motion.q + angles)) if angles.any() else timed
-        return turned.shown_later(late)
+        return (turned.lacking(slips) if slips.any() else turned).shown_later(late)
 
     def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> Float:
         """Torque (N, J) of a recording alone, its motion at the times of its torques; or what drives bear of it."""

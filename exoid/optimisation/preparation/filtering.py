@@ -207,6 +207,13 @@ class PreparedRecording:
         """Return the recording with the samples `spikes` (N, J) hidden in place of its own; itself where it was cut."""
         return self if self.read is None else self.without(spikes)
 
+    def lacking(self, unknown: Bool) -> PreparedRecording:
+        """Return the recording with samples `unknown` (N,) hidden at all joints; itself where it was cut."""
+        if self.read is None:
+            return self
+        missing = self.read.missing | unknown[:, None]
+        return replace(self, read=replace(self.read, missing=missing)).without(self.spikes)
+
     @property
     def lost(self) -> Bool:
         """Working samples (N, J) that are hidden whether or not they are spikes."""
