@@ -9,6 +9,8 @@ import pytest
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.fitted import fitted_model
 from exoid.diagnosis.evidence.model_error import model_error
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.measurement.signals.conditioning import low_pass
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.prepare import prepare
@@ -168,6 +170,20 @@ def test_noise_of_filtered_torques_is_no_measure():
     left = model_error(fitted_model(identify(Model(), prepared.train, optimisers=()), prepared))
     assert left is not None and "It is not noise" not in left.sentence
     assert re.fullmatch(r"[\d.]+ N·m \(these torques were filtered before .*\)", left.beside)
+
+
+@pytest.mark.slow
+def test_torques_that_were_smoothed_are_not_only_somebody_who_pushes():
+    """The top of their spectrum, which says how much noise there is, is nearly empty."""
+    def change(one):
+        smooth = [np.convolve(np.pad(x, 2, mode="edge"), np.ones(5) / 5.0, "valid") for x in one.tau.T]
+        return replace(one, tau=np.column_stack(smooth))
+
+    calm = Bench(duration=25.0, sensors=Sensors(outlier_share=0.0, burst_rate=0.0))
+    given = [change(one.recording) for one in simulate_runs(4, seed=45, bench=calm)]
+    answer = discover(Model(), given[:3], given[3:])
+    assert answer.verdict == "unexplained" and not answer.accepted
+    assert "smoothed before they were stored" in answer.sentence and "log the torques" in answer.next_experiment
 
 
 @pytest.mark.parametrize(("noise", "said"), [(1e-7, True), (2e-6, False)])

@@ -83,7 +83,7 @@ def test_what_a_soft_drive_leaves_is_counted_beyond_the_noise_and_at_all_joints_
     for hip, kept in ((2.0, True), (1.1, False)):
         error = np.array([hip, np.sqrt(1.5) * 1.2])
         last = SimpleNamespace(model=base.model, evaluation_rms=error, train_rms=error)
-        asked = soft_drive(base, last, np.full(2, 0.99), replace(RULES, artefact=1.1, half=0.4))
+        asked = soft_drive(base, last, np.full(2, 0.99), replace(RULES, near_noise=1.05, half=0.4))
         assert (asked is not None) is kept
 
 

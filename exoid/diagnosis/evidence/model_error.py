@@ -154,9 +154,11 @@ def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelErr
     text = (
         f"{the_joint(joint)} keeps {digits(last.evaluation_rms[j])} {unit}{beside}, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion. "
-        "Something acts that is not in the recordings: a person, the ground, or what changes from time to time"
+        "Something acts that is not in the recordings (a person, the ground, what changes from time to time), or the "
+        "torques were smoothed before they were stored, and their noise is larger than it looks"
     )
-    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), compared(last, j, times))
+    advice = f"log the torques as the sensors give them; if they are, {_CHANGES}"
+    return ModelError(joint, float(times), text, advice, float(again.share[j]), compared(last, j, times))
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,9 +73,9 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     """Return the soft drive that explains far more than everything in `last`, None where there is none.
 
     `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of little motion,
-    which some compliance fits by chance.
+    which some compliance fits by chance, nor where a model leaves no more than is near the noise.
     """
-    asked = last.evaluation_rms**2 > rules.artefact * noise**2  # more is left than the noise itself
+    asked = last.evaluation_rms > rules.near_noise * noise
     # Of what swings by itself a link on a spring takes up much.
     if not asked.any() or little_motion(base.prepared, rules) or swinging(last) is not None:
         return None
