@@ -18,7 +18,7 @@ from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.look_alikes import leaves_joints, look_alikes, refine
 from exoid.diagnosis.evidence.score import Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise, noise_share
-from exoid.diagnosis.hypotheses.readings import reading_objection
+from exoid.diagnosis.hypotheses.readings import is_reading, reading_objection
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
 from exoid.diagnosis.search.context import FEW, LEADING, SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined
@@ -133,10 +133,19 @@ def refitted(
         return None
     least = least_of(losses.values(), np.sum)
     behind_best = {name: lag(loss, least) for name, loss in losses.items()}
-    leading = least_of((losses[s.name] for s, _ in tried), np.sum)
+    leader = least_of(tried, lambda p: losses[p[0].name].sum())[0].name
+    own_loss = extension.fitted.joint_losses(scale, rules)
+    gains = {name: own_loss.sum() - loss.sum() for name, loss in losses.items()}
+    # A torque that is read otherwise has to explain more than an effect by a part worth telling.
+    least_gain = (1.0 - rules.worth_telling) * gains[leader] if is_reading(leader) else np.inf
+
+    def is_tied(name: str) -> bool:
+        effect = gains[name] >= least_gain and not is_reading(name)
+        return bool(effect or lag(losses[name], losses[leader]) < rules.tied)
+
     score, found = min(
-        ((s, f) for s, f in tried if lag(losses[s.name], leading) < rules.tied),
-        key=lambda p: (*_plainness(p[0]), p[0].candidate.tangent),
+        ((s, f) for s, f in tried if is_tied(s.name)),
+        key=lambda p: (is_reading(p[0].name), *_plainness(p[0]), p[0].candidate.tangent),
     )
 
     def no_more(rival: Score, than: Score) -> bool:
@@ -154,8 +163,8 @@ def refitted(
         return None
     wanted = {*behind_best, *alike} - elsewhere
     others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
-    own, without = by_joint[score.name], extension.fitted.joint_losses(scale, rules)
-    others = [s for s in others if not leaves_joints(by_joint.get(s.name, own), own, without, score.candidate, rules)]
+    own = by_joint[score.name]
+    others = [s for s in others if not leaves_joints(by_joint.get(s.name, own), own, own_loss, score.candidate, rules)]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
     behind = {name: lag(loss, losses[score.name]) for name, loss in losses.items()}

@@ -67,6 +67,8 @@ torque is filtered after them), the torque only once: near the cut-off a model t
 were flexible. What noise the wider band lets in, the common filter takes out again."""
 LOADED: Threshold = 3.0
 """times the sensor's noise by which the torque of a joint varies that has a drive: noise fitted as torque"""
+DECILES = 2.5631
+"""Standard deviations between the first and the last decile of noise."""
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is: what its encoder
 shows is noise. One that moves further but never faster than `STICK` creeps."""
@@ -483,7 +485,8 @@ def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     little = span < NOTHING * span.max()
     if not little.any():
         return np.asarray(zero)
-    varies = low_pass(even.despiked, cutoff, even.rate).std(axis=0)
+    low, high = np.percentile(low_pass(even.despiked, cutoff, even.rate), [10, 90], axis=0)  # a burst is no drive
+    varies = (high - low) / DECILES
     return np.asarray(zero | little & (varies <= LOADED * quiet_noise(even.despiked, even.rate, cutoff)))
 
 
