@@ -79,7 +79,6 @@ def test_workers_of_a_command(words, hostile):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "engine", ["alone", "processes", *(pytest.param(name, marks=pytest.mark.slow) for name in ("dask", "slurm"))]
 )

@@ -720,7 +720,7 @@ def test_an_encoder_that_was_zeroed_elsewhere_is_told_beside_an_effect_of_its_an
 @pytest.mark.slow
 @pytest.mark.parametrize("held", [1, 3])
 def test_an_encoder_that_slips_within_a_recording_leaves_no_error_of_the_model(held):
-    """What filters make of the jump is no motion of the machine."""
+    """The jump that filters pass on is no motion of the machine."""
     runs = [one.recording for one in simulate_runs(4, None, standard_leg(), seed=4)]
     slips = [runs[3].t >= 9.0, np.zeros_like(runs[3].t)]
     runs[3] = replace(runs[3], q=runs[3].q - 0.08 * np.column_stack(slips))

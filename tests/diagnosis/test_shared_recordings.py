@@ -34,7 +34,6 @@ CASES = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["b", *(pytest.param(n, marks=pytest.mark.slow) for n in CASES if n != "b")])
 def test_practice_leg(shared_data, name):
     train, verify = leg(shared_data, name)

@@ -69,7 +69,7 @@ def kept(recording, names):
         (ARM, "swapped-joints-lift-elbow"),
         (ARM, "swapped-torques-lift-elbow"),
         (ARM, "load-torque"),
-        pytest.param(ARM, "degrees", marks=pytest.mark.slow),
+        (ARM, "degrees"),
         (ARM, "lift-negated,elbow-zero=90"),
         (RAIL, "elbow-angle-negated"),
     ],

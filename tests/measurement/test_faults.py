@@ -168,7 +168,6 @@ def test_no_number_is_still_a_refusal(clean):
         read(put(q1=lambda x: np.nan * x)(clean))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 20))])
 def test_clean_recordings_raise_no_alarm(seed):
     recording = bench(seed)

@@ -80,7 +80,7 @@ def test_each_criterion_is_best_at_its_own(criterion, found):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("harmonics", [2, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("harmonics", [2, 5])
 @pytest.mark.parametrize("criterion", ["condition", "d_optimal", "worst"])
 def test_ipopt_knows_every_criterion(criterion, harmonics):
     both = design(criterion=criterion, starts=1, generations=20, harmonics=harmonics)

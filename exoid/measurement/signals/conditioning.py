@@ -119,7 +119,7 @@ class UniformSignals:
     @cached_property
     def span(self) -> Float:
         """Range (J,) of the torque in N·m without its outer tenths."""
-        return np.asarray(np.ptp(np.quantile(self.tau, (0.1, 0.9), axis=0), axis=0))
+        return middle_range(self.tau)
 
     @cached_property
     def spikes(self) -> NDArray[np.bool_]:
@@ -188,6 +188,11 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
     as_read = recording if grid.size == len(recording) and np.array_equal(tau, recording.tau) else None
     known = (passive, recording.payloads, base, pushed, as_read, stances_of(recording), recording.logged)
     return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, *known)
+
+
+def middle_range(x: Float) -> Float:
+    """Range (J,) of signals (N, J) without their outer tenths."""
+    return np.asarray(np.ptp(np.quantile(x, (0.1, 0.9), axis=0), axis=0))
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:

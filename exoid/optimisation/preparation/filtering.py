@@ -31,6 +31,7 @@ from exoid.measurement.signals.conditioning import (
     low_pass,
     low_pass_at,
     low_pass_every,
+    middle_range,
     noise_density,
     quiet_noise,
     velocity_noise,
@@ -485,8 +486,7 @@ def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     little = span < NOTHING * span.max()
     if not little.any():
         return np.asarray(zero)
-    low, high = np.percentile(low_pass(even.despiked, cutoff, even.rate), [10, 90], axis=0)  # a burst is no drive
-    varies = (high - low) / DECILES
+    varies = middle_range(low_pass(even.despiked, cutoff, even.rate)) / DECILES  # of which a burst is no part
     return np.asarray(zero | little & (varies <= LOADED * quiet_noise(even.despiked, even.rate, cutoff)))
 
 

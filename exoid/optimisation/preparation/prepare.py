@@ -26,7 +26,7 @@ from exoid.measurement.forces import force_signals, unused_forces
 from exoid.measurement.overlap import held_apart
 from exoid.measurement.reading.given import Given, question_of
 from exoid.measurement.recording import Recording, base_columns
-from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
+from exoid.measurement.signals.conditioning import UniformSignals, middle_range, uniform_sampling
 from exoid.measurement.signals.derivatives import check_method
 from exoid.measurement.signals.methods import BUTTERWORTH
 from exoid.optimisation.preparation.cutoff import (
@@ -225,7 +225,7 @@ def _refuse_driven(recording: Recording) -> None:
     idle = np.array([name in recording.passive for name in called])
     if idle.all() or not idle.any() or not len(tau):
         return
-    span = np.ptp(np.percentile(tau, [10, 90], axis=0), axis=0)
+    span = middle_range(tau)
     worst = index_of_greatest(np.where(idle, span, -1.0))
     if span[worst] > UNDRIVEN * span[~idle].max():
         joint = called[worst]

@@ -288,7 +288,6 @@ def test_a_recording_that_is_gone_when_it_is_looked_at_is_away(fleet):
         store.key(job)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("far", ["sent", pytest.param("dask", marks=pytest.mark.slow)])
 def test_answers_name_the_files_of_the_sender_wherever_they_are_made(far, fleet):
     (fleet / "data" / "d-1" / "run_3.csv").write_text("nothing here\n")
