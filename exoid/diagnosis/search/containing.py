@@ -17,6 +17,8 @@ from exoid.symbolic.motion import Float
 
 EXACT = 1e-8
 """Share of a squared torque up to which two are the same but for rounding."""
+THIN = 4
+"""Samples of which one is looked at where it is asked whether a node can be the other candidate at all."""
 
 
 def _on_fitted(
@@ -71,18 +73,19 @@ def contains(
 
 
 def _least_left(evidence: Evidence, parts: Columns, torque: Float) -> Float:
-    """Square (V,) that the columns of each node leave of a torque at least: what they leave of the first recording with
-    numbers of its own.
+    """Square (V,) that the columns of each node leave of a torque at least: what they leave of some samples of the
+    first recording, with numbers of their own.
     """
     use, found = evidence.train[0].use, []
-    count = np.count_nonzero(use)
-    basis = np.linalg.qr(evidence.basis[:count])[0]
-    wanted = torque[:count] - basis @ (basis.T @ torque[:count])
+    some = np.arange(0, np.count_nonzero(use), THIN)
+    basis, at = np.linalg.qr(evidence.basis[some])[0], np.flatnonzero(use)[some]
+    wanted = torque[some] - basis @ (basis.T @ torque[some])
     for piece in parts.pieces:
         values = parts.some(piece).values
         whole = np.zeros((len(values), *use.shape, values.shape[3]))
         whole[:, list(parts.joints)] = values
-        own = whole[:, use] - basis @ (basis.T @ whole[:, use])
+        few = whole.reshape(len(values), use.size, -1)[:, at]
+        own = few - basis @ (basis.T @ few)
         taken = np.swapaxes(np.linalg.qr(own)[0], 1, 2) @ wanted
         found.append(wanted @ wanted - np.sum(taken**2, axis=1))
     return np.concatenate(found)

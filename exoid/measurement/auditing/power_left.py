@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from exoid.ground.non_negative import non_negative
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.hypotheses import ConventionHypothesis
 from exoid.measurement.auditing.rough import TURNS, Smooth, either_sign, machine_columns, smooth
@@ -150,8 +151,9 @@ def _sums(motion: Smooth, shares: Float, tau: Float, kind: ConventionHypothesis)
             return alone.swapaxes(1, 2) @ alone
         return (parts.T @ parts).reshape(joints, size, joints, size).transpose(0, 2, 1, 3)
 
-    several, which = np.unique(shares, axis=0, return_inverse=True)  # most often all joints move
-    grams = np.array([gram(share) for share in several])[which.ravel()]
+    different = {share.tobytes(): share for share in shares}  # most often all joints move, and it is one
+    made = {key: gram(share) for key, share in different.items()}
+    grams = np.array([made[share.tobytes()] for share in shares])
     slope = (tau @ flat).reshape(joints, joints, size)
     return Sums(grams, slope, np.sum(tau**2, axis=1), _near(read.joints), either_sign(read))
 
@@ -187,15 +189,13 @@ def _roots(gram: Float, slope: Float) -> tuple[Float, Float, Float]:
     return lower.swapaxes(1, 2), side, size
 
 
-def non_negative(root: Float, side: Float, either: int) -> tuple[Float, float]:
+def some_non_negative(root: Float, side: Float, either: int) -> tuple[Float, float]:
     """Return x (P,) that minimises |root x - side| for an upper triangular root (P, P), none but the first `either` of
     them negative, and that distance.
     """
-    from scipy.optimize import nnls
-
-    rest, left = nnls(root[either:, either:], side[either:], maxiter=100 * len(side))
+    rest, left = non_negative(root[either:, either:], side[either:])
     free = np.linalg.solve(root[:either, :either], side[:either] - root[:either, either:] @ rest)
-    return np.concatenate([free, rest]), float(left)
+    return np.concatenate([free, rest]), left
 
 
 def _factor(scaled: Float) -> Float:
@@ -227,7 +227,7 @@ def shares_left(groups: Sequence[Sums], torques: Float) -> Float:
         roots, sides, _ = _roots(gram, slope)
         # |root x - side|² falls short of the loss by what no x explains.
         left += np.maximum(weight @ s.power - np.sum(sides**2, axis=1), 0.0)
-        left += [non_negative(*pair, s.either)[1] ** 2 for pair in zip(roots, sides, strict=True)]
+        left += [some_non_negative(*pair, s.either)[1] ** 2 for pair in zip(roots, sides, strict=True)]
     return left
 
 
@@ -241,7 +241,7 @@ def left_in_part(motions: Sequence[Smooth], reading: ConventionHypothesis) -> fl
     def solve(grams: Float, slopes: Float) -> Float:
         roots, sides, sizes = _roots(grams, slopes)
         pairs = zip(roots, sides, strict=True)
-        found = [non_negative(*pair, len(scale))[0] for pair in pairs]  # offsets of either sign
+        found = [some_non_negative(*pair, len(scale))[0] for pair in pairs]  # offsets of either sign
         return np.array(found) / sizes
 
     for group in _grouped(motions):

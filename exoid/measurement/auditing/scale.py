@@ -6,10 +6,12 @@ mass, within reason.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from exoid.ground.minimum import minimum
 from exoid.ground.thresholds import Threshold
 from exoid.ground.ties import index_of_least
 from exoid.measurement.auditing.channels import place_of_all
@@ -20,7 +22,8 @@ from exoid.measurement.reading.conventions import Map
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import is_leg
 
-TRIED = np.logspace(-3, 3, 217)
+TRIED = np.logspace(-3, 3, 55)
+"""Factors tried, of which the best is refined between its neighbours, to a thousandth."""
 LEAST_GAIN: Threshold = 0.003
 """share of the torques' power left, from which a factor is looked for: friction left out"""
 GOOD: Threshold = 0.12
@@ -36,12 +39,19 @@ def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     motions = motions_of(recordings) if is_leg(recordings[0].joints) else []
     if not motions:
         return ()
-    maps = [Map(np.eye(2), np.zeros(2), np.diag([1.0, factor])) for factor in (1.0, *TRIED)]
-    now, *left = power_left(motions, [ConventionHypothesis((), to) for to in maps]).tolist()
-    best = index_of_least(left, 1.0)
-    least, wanted = left[best], float(TRIED[best])
-    plain = 0 < best < TRIED.size - 1 and max(wanted, 1.0 / wanted) > PLAIN
-    if not plain or now < max(LEAST_GAIN, TIMES * least) or least >= GOOD:
+
+    def left(*factors: float) -> list[float]:
+        maps = (Map(np.eye(2), np.zeros(2), np.diag([1.0, factor])) for factor in factors)
+        return list(map(float, power_left(motions, [ConventionHypothesis((), to) for to in maps])))
+
+    now, *tried = left(1.0, *TRIED)
+    best = index_of_least(tried, 1.0)
+    if best in (0, TRIED.size - 1) or max(TRIED[best], 1.0 / TRIED[best]) <= PLAIN:
+        return ()
+    low, high = np.log(TRIED[[best - 1, best + 1]]).tolist()
+    change, least = minimum(lambda x: left(math.exp(x))[0], low, high, 1e-3)
+    wanted = math.exp(change)
+    if now < max(LEAST_GAIN, TIMES * least) or least >= GOOD:
         return ()
     what = f"hip and knee torque do not belong to one leg: a rigid leg wants the knee torque multiplied by {wanted:.3g}"
     what += f", or the hip torque by {1 / wanted:.3g}; so it leaves {least / 2:.1%} of the torques' variance "

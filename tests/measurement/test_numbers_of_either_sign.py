@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid.measurement.auditing.power_left import non_negative
+from exoid.measurement.auditing.power_left import some_non_negative
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -11,7 +11,7 @@ def test_numbers_of_either_sign_are_found_beside_those_that_cannot_be_negative(s
     rng = np.random.default_rng(seed)
     y, tau = rng.standard_normal((60, 6)), rng.standard_normal(60)
     basis, root = np.linalg.qr(y)
-    x, left = non_negative(root, basis.T @ tau, 2)
+    x, left = some_non_negative(root, basis.T @ tau, 2)
     slope = y.T @ (tau - y @ x)
     np.testing.assert_allclose(slope[:2], 0.0, atol=1e-9)
     assert np.all(x[2:] >= 0.0) and np.all(slope[2:] < 1e-9) and np.allclose(slope[2:] * x[2:], 0.0)
