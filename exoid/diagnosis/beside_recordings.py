@@ -85,6 +85,11 @@ class _Against:
         return [(float(np.max(least_left(machine))), machine) for _, machine in self.machines]
 
     @property
+    def least_bound(self) -> float:
+        """The bound up to which a machine with an entry is asked: near the noise, and less than without the entry."""
+        return min(self.rules.near_noise, (1.0 - self.rules.worth_telling) * self.bounds[0][0])
+
+    @property
     def ways(self) -> int:
         """Ways in which recordings may differ beside zeros: one where they leave more than noise anyhow."""
         return WAYS if not self.near or min(left for left, _ in self.bounds) <= self.rules.near_noise else 1
@@ -103,7 +108,7 @@ class _Against:
             if own is not None and self.is_worth(own, own.beside(self.last, self.base.prepared)):
                 yield own, self.ways
         for left, machine in ascending(self.bounds[1:] if self.near else (), lambda pair: pair[0], 1.0):
-            own = _belonging_beside(machine, self.rules) if left <= self.rules.near_noise else None
+            own = _belonging_beside(machine, self.rules) if left <= self.least_bound else None
             if own is not None and is_near_noise(own.beside(machine, self.base.prepared), self.rules):
                 yield own, self.ways
         zeros = _belonging_beside(self.last, self.rules, ways=0) if self.near and self.ways > 1 else None
@@ -200,6 +205,8 @@ def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tu
             return *kept[:2], own if own.by_recording.keys() == kept[2].by_recording.keys() else kept[2]
         kept = rival, fitted_on(rival.fit, without), own
         last = fitted_on(_common(kept[1], _names(rival)).fit, own.carried(given))
+        if own.now.model.terms == last.model.terms and not own.needless:  # beside these it was found
+            return kept
         own = _belonging_beside(last, asking.question.rules, own.cuts, ways) or own
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +25,11 @@ ALIKE = 1e-9
 """Part by which the cosine between two columns may be below one where they are the same but for rounding."""
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
+KEPT = 32
+"""Weighings that are kept."""
 CLOSER, CLOSE = 12, 3e-3
-"""Times at most where columns bend with numbers, as those of a gain do, and the change of them that ends them."""
+"""Times at most where columns bend with numbers, as those of a gain do, and the change of what is left that ends them.
+"""
 
 
 def seen_before_filter(now: FittedModel, one: PreparedRecording, linear: Float, shape: Float) -> Seen:
@@ -94,6 +98,9 @@ class Fits:
         every, seconds = now.prepared.all, rules.block_seconds
         self.starts = [every[p.recording].starts_within(seconds, p.start, p.stop) for p in self.parts]
         self.curves: dict[str | None, State] = {}
+        self.weighed: dict[tuple[Any, ...], tuple[Float, Float]] = {}
+        """What was weighed lately: a search comes back to the same claims again and again."""
+        self.weighed_for: tuple[Any, ...] | None = None
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
         self.weigh(())
 
@@ -200,7 +207,7 @@ class Fits:
             seen = replace(
                 seen, linear=alike, torque=seen.columns[:, :, alone], by_angle=lambda joint: by_angle[joint] @ alike
             )
-        pieces = claim.pieces(replace(seen, number=number))
+        pieces = claim.pieces(replace(seen, number=number) if number else seen)
         return recording.smooth_columns(pieces) if early else pieces
 
     def _moved(self, claim: Claim, k: int, number: float) -> Float:
@@ -246,22 +253,40 @@ class Fits:
         return out
 
     def weigh(self, state: State) -> None:
-        """Make the `grams` (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for."""
-        left, whole = [r[:, :, -1] for r in self.rows], range(self.rows[0].shape[2])
+        """Make the `grams` (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for, and have what
+        multiplies a torque of the model do so at the numbers that are then found: whatever was asked before.
+        """
+        key = tuple((held.claim, held.node, held.groups) for held in state)
+        if key == self.weighed_for:
+            return
+        if key in self.weighed:
+            step, self.grams = self.weighed[key]
+            self._place_factors(state, step, self.claims)
+        else:
+            if len(self.weighed) >= KEPT:
+                del self.weighed[next(iter(self.weighed))]
+            self.weighed[key] = self._weigh_anew(state), self.grams
+        self.weighed_for = key
+
+    def _weigh_anew(self, state: State) -> Float:
+        """Make the Gram matrices of halves; return the numbers (Q,) of model and state at which factors are placed."""
+        whole, factors = range(self.rows[0].shape[2]), [held.claim for held in state if held.claim.factor]
         held_too = dict.fromkeys(c for held in state for c in whole[self.place[held.claim]])
         own = [*whole[: self.count], *held_too, whole[-1]]
-        most, before = (CLOSER if any(held.claim.factor for held in state) else REWEIGHTED), np.array([np.inf])
-        for k in range(most if state else 0):
+        step, left = np.zeros(self.count + len(grouped(state))), [rows[:, :, -1] for rows in self.rows]
+        self._place_factors(state, step, factors)
+        for k in range((CLOSER if factors else REWEIGHTED) if state else 0):
             self.grams = self._weighted(left, own)
             step = self.together(state)
-            self._place_factors(state, step, [held.claim for held in state])
-            left = self.left_by(state, [step] * 2)
-            if k + 1 >= REWEIGHTED and np.allclose(step[self.count :], before, rtol=CLOSE):
+            if factors:
+                self._place_factors(state, step, factors)
+            before, left = left, self.left_by(state, [step] * 2)
+            moved = sum(float(np.sum((now - then) ** 2)) for now, then in zip(left, before, strict=True))
+            if k + 1 >= REWEIGHTED and moved <= CLOSE**2 * sum(float(np.sum(now**2)) for now in left):
                 break
-            before = step[self.count :]
-        if state:
-            self._place_factors(state, step, self.claims)
+        self._place_factors(state, step, self.claims)
         self.grams = self._weighted(left, whole)
+        return step
 
     def _weighted(self, left: Sequence[Float], columns: Sequence[int]) -> Float:
         """Return Gram matrices (R, 2, D, D) of some columns, zero for others, as robust as what is `left` asks for."""
@@ -382,3 +407,4 @@ class Fits:
             own = columns[part.recording][:, part.kept] * use[:, :, None]
             self.rows[k] = np.concatenate([rows[:, :, :-1], own, rows[:, :, -1:]], axis=2)
         self.place |= {claim: slice(first + k, first + k + 1) for k, claim in enumerate(claims)}
+        self.weighed, self.weighed_for = {}, None
