@@ -104,15 +104,18 @@ class _Against:
         if found is None and not self.near:
             return
         alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules, ways=self.ways)
+        given = self.base.prepared
         for own in dict.fromkeys((alone, found)):
-            if own is not None and self.is_worth(own, own.beside(self.last, self.base.prepared)):
-                yield own, self.ways
+            if own is not None and self.is_worth(own, beside := own.beside(self.last, given)):
+                near = any(is_near_noise(item, self.rules) for item in (beside, own.beside(self.base, given)))
+                if near or self.is_main(own, beside) or not own.ways:  # no other answer may stand in place of this one
+                    yield own, self.ways
         for left, machine in ascending(self.bounds[1:] if self.near else (), lambda pair: pair[0], 1.0):
             own = _belonging_beside(machine, self.rules) if left <= self.least_bound else None
-            if own is not None and is_near_noise(own.beside(machine, self.base.prepared), self.rules):
+            if own is not None and is_near_noise(own.beside(machine, given), self.rules):
                 yield own, self.ways
         zeros = _belonging_beside(self.last, self.rules, ways=0) if self.near and self.ways > 1 else None
-        if zeros is not None and self.is_worth(zeros, zeros.beside(self.last, self.base.prepared)):
+        if zeros is not None and self.is_worth(zeros, zeros.beside(self.last, given)):
             yield zeros, 0
 
     def is_worth(self, own: OwnNumbers, beside: FittedModel) -> bool:
@@ -126,12 +129,16 @@ class _Against:
             for alone, machine in self.machines
         )
 
+    def is_main(self, own: OwnNumbers, beside: FittedModel) -> bool:
+        """True if ways in which recordings differ explain most of what the last model leaves, several nearly all."""
+        least = self.rules.half if len(own.ways) == 1 else self.rules.most
+        return bool(own.ways) and explained_by(self.last, beside) >= least
+
     def answer_beside(self, own: OwnNumbers, ways: int) -> Diagnosis | None:
         """Return the answer beside numbers of recordings; None where it may not stand in place of the other."""
         rival, explained, own = _with_own(self.asking, self.base.prepared, own, ways)
         told = own.without([entry.recording for entry in rival.left_out])
-        least = self.rules.half if len(own.ways) == 1 else self.rules.most
-        main = bool(own.ways) and explained_by(self.last, explained) >= least
+        main = self.is_main(own, explained)
         may = told and self._leaves_as_little(rival) and _may_replace(self.answer, rival, own, main=main)
         if not may or not self.is_worth(own, explained):
             return None
@@ -164,9 +171,10 @@ def _common(whole: FittedModel, found: Collection[str]) -> FittedModel:
     may be what belongs to some, and places that differ may be its trace.
     """
     kept = [term for term in whole.model.terms if term.name not in found or not term.effect.has_own_numbers]
-    terms = tuple(replace(term, own_places=term.own_places and term.name not in found) for term in kept)
-    if terms == whole.model.terms:
+    moving = [term for term in kept if term.own_places and term.name in found]
+    if not moving and len(kept) == len(whole.model.terms):
         return whole
+    terms = tuple(replace(term, own_places=False) if term in moving else term for term in kept)
     return refitted(replace(whole.model, terms=terms), whole, whole.prepared)
 
 
@@ -205,7 +213,7 @@ def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tu
             return *kept[:2], own if own.by_recording.keys() == kept[2].by_recording.keys() else kept[2]
         kept = rival, fitted_on(rival.fit, without), own
         last = fitted_on(_common(kept[1], _names(rival)).fit, own.carried(given))
-        if own.now.model.terms == last.model.terms and not own.needless:  # beside these it was found
+        if own.now.model.effects == last.model.effects and not own.needless:  # beside these it was found
             return kept
         own = _belonging_beside(last, asking.question.rules, own.cuts, ways) or own
         if kept[2].agrees(own) and not own.needless:
@@ -237,8 +245,8 @@ def _plain_models(question: Question, answer: Diagnosis, last: FittedModel) -> I
     context = question.context(everything, everything, silent)
     start = context.fit(last.model, shapes_from(last, last.model, len(given.all)))
     yield fitted_on(start.fitted.fit, given)
-    names = [term.name for term in last.model.terms]
-    near = [suspect for suspect in answer.suspects if suspect.name not in names and suspect.explained_share >= least]
+    absent = (suspect for suspect in answer.suspects if suspect.name not in last.model.effects)
+    near = [suspect for suspect in absent if suspect.explained_share >= least]
     known = {candidate.name: candidate for candidate in context.library.candidates}
     plain = [suspect for suspect in near if not known[suspect.name].term.effect.has_own_numbers]
     nearest = ascending(plain, lambda suspect: -suspect.explained_share, 1.0)[:NEAREST]

@@ -250,8 +250,7 @@ class Ranking:
 
     def __init__(self, fitted: FittedModel, library: Library, *, seed: int = 0, rules: Rules = RULES) -> None:
         self.fitted, self.library, self.seed, self.rules = fitted, library, seed, rules
-        present = {term.name for term in fitted.model.terms}
-        todo = [c for c in library.candidates if c.name not in present]
+        todo = [c for c in library.candidates if c.name not in fitted.model.effects]
         # A user's own effects first; then those whose columns cost least.
         self.candidates: tuple[Candidate, ...] = tuple(sorted(todo, key=_cost))
         self.draws: dict[str, int] = {}

@@ -93,7 +93,6 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
     of the model's own torque, at a joint that has no drive in any recording.
     """
     driven = driven_joints(prepared)
-    known = {term.name for term in model.terms}
     found = []
     for effect in (*catalogue(model.joints, model.wearer is not None).values(), *extra):
         for joint in places_of(effect, model.joints):
@@ -101,7 +100,7 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
             # Of a joint whose torque is always zero, the model's own torque is its residual: it would explain itself.
             undriven = joint is not None and not driven[term.first]
             idle = undriven and (effect.drive or (effect.derive is None and feeds_back(term)))
-            if term.name not in known and not idle:
+            if term.name not in model.effects and not idle:
                 first = next(iter(effect.shape.values()), None)
                 own = any(shape.per_recording for shape in effect.shape.values())
                 tangent = not effect.coefficients and not own and first is not None and first.min <= 0.0 <= first.max

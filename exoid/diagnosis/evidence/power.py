@@ -72,9 +72,9 @@ def power_of(
 
     `evidence` is that against the model `fitted`, `simulated` the same model on recordings that it made itself.
     """
-    present = {term.name for term in fitted.model.terms}
     made = evidence_on(simulated, evidence)
-    found = [_power(item, fitted, evidence, library, made) for item in library.candidates if item.name not in present]
+    absent = (item for item in library.candidates if item.name not in fitted.model.effects)
+    found = [_power(item, fitted, evidence, library, made) for item in absent]
     return tuple(entry for entry in found if entry is not None)
 
 

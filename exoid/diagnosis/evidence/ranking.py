@@ -33,8 +33,7 @@ TOGETHER = 40_000
 
 def rank(evidence: Evidence, library: Library, fitted: FittedModel, tick: Progress = silent) -> list[Score]:
     """Return all candidates, best first: weighed, the promising ones with placebos and significance."""
-    present = {term.name for term in fitted.model.terms}
-    todo = [c for c in library.candidates if c.name not in present]
+    todo = [c for c in library.candidates if c.name not in fitted.model.effects]
     scores, columns = weigh_all(evidence, library, fitted, todo, lambda done, text: tick(0.6 * done, text))
     scores = agreed(evidence, ascending(scores, lambda s: -s.share, 1.0), columns, fitted)
     eligible = [s for s in scores if s.eligible]

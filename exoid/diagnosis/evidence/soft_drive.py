@@ -80,7 +80,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     if not asked.any() or little_motion(base.prepared, rules) or swinging(last) is not None:
         return None
     found = []
-    added = {term.name for term in last.model.terms} - {term.name for term in base.model.terms}
+    added = {*last.model.effects} - {*base.model.effects}
     for fitted in (base, last) if added else (last,):
         for joint in range(len(last.model.joints)):
             drive = _best(fitted, joint)

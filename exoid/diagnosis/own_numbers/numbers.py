@@ -229,7 +229,7 @@ class OwnNumbers:
         """True if another look finds the same in the same recordings, within its intervals; where that multiplies or
         moves the model's torque, beside a model of the same terms.
         """
-        if any(held.claim.factor for held in self.held) and self.now.model.terms != other.now.model.terms:
+        if any(held.claim.factor for held in self.held) and self.now.model.effects != other.now.model.effects:
             return False
         first, new = self.by_recording, other.by_recording
         return first.keys() == new.keys() and all(new[k].low <= e.value <= new[k].high for k, e in first.items())

@@ -220,7 +220,7 @@ def _twins(
     it takes off the axis is accepted: what it refuses is its size, and only where that costs something. Of a force at
     the cuff of a single joint all numbers but one show on no motion.
     """
-    present = {*known, *(term.name for term in extension.fitted.model.terms)}
+    present = {*known, *extension.fitted.model.effects}
     out = []
     for candidate in context.library.candidates:
         if candidate.term.effect.derive is None or candidate.name in present:

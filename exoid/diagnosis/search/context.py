@@ -197,7 +197,7 @@ class SearchContext:
     @staticmethod
     def key(extension: Extension) -> tuple[str, ...]:
         """Return the names of the terms of a model: what was found against it is kept under them."""
-        return tuple(term.name for term in extension.fitted.model.terms)
+        return extension.fitted.model.effects
 
     def tested(self, extension: Extension, score: Score, draws: int | None = None) -> Score:
         """Weigh the candidate of `score` anew against the model of `extension`, with so many placebos."""

@@ -118,9 +118,8 @@ def _superseded(
 ) -> set[str]:
     """Return the candidates that touch `joint` and add little to the curve that won there."""
     out = set()
-    present = {term.name for term in extension.fitted.model.terms}
     for candidate in context.library.candidates:
-        if candidate.name in present or candidate.term.joint not in (joint, None):
+        if candidate.name in extension.fitted.model.effects or candidate.term.joint not in (joint, None):
             continue
         columns = context.library.columns(candidate, extension.fitted)
         score = context.weighed(extension, evidence, candidate)
