@@ -106,10 +106,9 @@ class _Against:
         alone = found if self.last.fit is self.base.fit else belonging_to(self.base, self.rules, ways=self.ways)
         given = self.base.prepared
         for own in dict.fromkeys((alone, found)):
-            if own is not None and self.is_worth(own, beside := own.beside(self.last, given)):
-                near = any(is_near_noise(item, self.rules) for item in (beside, own.beside(self.base, given)))
-                if near or self.is_main(own, beside) or not own.ways:  # no other answer may stand in place of this one
-                    yield own, self.ways
+            beside = None if own is None else own.beside(self.last, given)
+            if own and beside and self.is_worth(own, beside) and self.may_stand(own, beside):
+                yield own, self.ways
         for left, machine in ascending(self.bounds[1:] if self.near else (), lambda pair: pair[0], 1.0):
             own = _belonging_beside(machine, self.rules) if left <= self.least_bound else None
             if own is not None and is_near_noise(own.beside(machine, given), self.rules):
@@ -128,6 +127,14 @@ class _Against:
             or predicts_better(machine, own.beside(machine, self.base.prepared), self.rules, own.cuts)
             for alone, machine in self.machines
         )
+
+    def may_stand(self, own: OwnNumbers, beside: FittedModel) -> bool:
+        """True if an answer with such numbers may stand in place of this one: where recordings differ in several ways,
+        as a machine's error does from motion to motion, only if they are the main explanation or leave about the noise.
+        """
+        if len(own.ways) < 2 or self.is_main(own, beside):
+            return True
+        return any(is_near_noise(x, self.rules) for x in (beside, own.beside(self.base, self.base.prepared)))
 
     def is_main(self, own: OwnNumbers, beside: FittedModel) -> bool:
         """True if ways in which recordings differ explain most of what the last model leaves, several nearly all."""
