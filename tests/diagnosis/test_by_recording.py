@@ -298,6 +298,33 @@ def test_of_torques_before_and_after_the_motion_nothing_is_known():
     assert moved.hidden[early].all() and not moved.hidden[~early].all()
 
 
+def with_offset(runs):
+    """Return a model with an offset fitted to recordings."""
+    prepared = prepare(AXIS, runs)
+    return fitted_model(identify(AXIS.with_effect("torque_offset:axis"), prepared.train, optimisers=()), prepared)
+
+
+@pytest.mark.slow
+def test_what_is_found_beside_two_fits_of_the_same_effects_agrees():
+    runs = [drive(k, gain=1.3 if k == 2 else 1.0, zero=0.4) for k in range(3)]
+    own = belonging_to(with_offset(runs))
+    assert [held.claim.what for held in own.ways] == ["torque_gain"]
+    assert own.agrees(replace(own, now=with_offset(runs)))
+
+
+def test_a_weighing_depends_on_nothing_that_was_asked_before():
+    now = with_offset([drive(k, gain=1.3 if k == 2 else 1.0) for k in range(3)])
+    grams = []
+    for asked in (("torque_gain",), ("clock_offset", "torque_gain"), ("torque_gain", "friction_level", "torque_gain")):
+        fits = Fits(now, RULES, {})
+        for what in asked:
+            claim = next(claim for claim in fits.claims if claim.what == what and not claim.everyone)
+            fits.weigh((Claimed(claim, claim.nodes[0], ((2,),)),))
+        grams.append(fits.grams)
+    np.testing.assert_array_equal(grams[0], grams[1])
+    np.testing.assert_array_equal(grams[0], grams[2])
+
+
 def test_nothing_is_told_of_a_recording_that_is_left_out():
     prepared = prepare(AXIS, [drive(k, zero=zero) for k, zero in enumerate((0.9, -0.6, 0.2))])
     own = belonging_to(fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared))
