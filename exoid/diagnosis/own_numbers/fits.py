@@ -25,8 +25,8 @@ ALIKE = 1e-9
 """Part by which the cosine between two columns may be below one where they are the same but for rounding."""
 REWEIGHTED = 3
 """Times that residuals are weighted anew for the last numbers."""
-KEPT = 32
-"""Weighings that are kept."""
+KEPT = 12
+"""Weighings that are kept, since a search comes back to them soon."""
 CLOSER, CLOSE = 12, 3e-3
 """Times at most where columns bend with numbers, as those of a gain do, and the change of what is left that ends them.
 """
@@ -99,7 +99,6 @@ class Fits:
         self.starts = [every[p.recording].starts_within(seconds, p.start, p.stop) for p in self.parts]
         self.curves: dict[str | None, State] = {}
         self.weighed: dict[tuple[Any, ...], tuple[Float, Float]] = {}
-        """What was weighed lately: a search comes back to the same claims again and again."""
         self.weighed_for: tuple[Any, ...] | None = None
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
         self.weigh(())
