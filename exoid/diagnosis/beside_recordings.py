@@ -132,9 +132,9 @@ class _Against:
         """True if an answer with such numbers may stand in place of this one: where recordings differ in several ways,
         as a machine's error does from motion to motion, only if they are the main explanation or leave about the noise.
         """
-        if len(own.ways) < 2 or self.is_main(own, beside):
+        if len(own.ways) < 2 or self.is_main(own, beside) or is_near_noise(beside, self.rules):
             return True
-        return any(is_near_noise(x, self.rules) for x in (beside, own.beside(self.base, self.base.prepared)))
+        return is_near_noise(own.beside(self.base, self.base.prepared), self.rules)
 
     def is_main(self, own: OwnNumbers, beside: FittedModel) -> bool:
         """True if ways in which recordings differ explain most of what the last model leaves, several nearly all."""

@@ -190,7 +190,7 @@ class ModelStructure:
         object.__setattr__(self, "gravity", size)
         object.__setattr__(self, "gravity_vector", None if vector == (0.0, 0.0, -size) else vector)
 
-    @property
+    @cached_property
     def effects(self) -> tuple[str, ...]:
         """The names of its terms, "stribeck:hip", in their order."""
         return tuple(term.name for term in self.terms)

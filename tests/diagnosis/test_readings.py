@@ -55,9 +55,7 @@ def chain(*lengths):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("lengths", "wrong"), [((0.62, 0.4), "boom"), ((0.5, 0.3), "arm")]
-)
+@pytest.mark.parametrize(("lengths", "wrong"), [((0.62, 0.4), "boom"), ((0.5, 0.3), "arm")])
 def test_a_wrong_length_of_a_chain_is_told_and_no_effect_in_its_place(lengths, wrong):
     true = chain(0.5, 0.4)
     made = [run.recording for run in simulate_runs(4, true, seed=6)]

@@ -273,7 +273,8 @@ class Fits:
         held_too = dict.fromkeys(c for held in state for c in whole[self.place[held.claim]])
         own = [*whole[: self.count], *held_too, whole[-1]]
         step, left = np.zeros(self.count + len(grouped(state))), [rows[:, :, -1] for rows in self.rows]
-        self._place_factors(state, step, factors)
+        if factors:  # which stand where another weighing had them
+            self._place_factors(state, step, factors)
         for k in range((CLOSER if factors else REWEIGHTED) if state else 0):
             self.grams = self._weighted(left, own)
             step = self.together(state)

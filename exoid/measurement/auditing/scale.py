@@ -44,14 +44,17 @@ def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
         maps = (Map(np.eye(2), np.zeros(2), np.diag([1.0, factor])) for factor in factors)
         return list(map(float, power_left(motions, [ConventionHypothesis((), to) for to in maps])))
 
-    now, *tried = left(1.0, *TRIED)
+    (now,) = left(1.0)
+    if now < LEAST_GAIN:
+        return ()
+    tried = left(*TRIED)
     best = index_of_least(tried, 1.0)
     if best in (0, TRIED.size - 1) or max(TRIED[best], 1.0 / TRIED[best]) <= PLAIN:
         return ()
     low, high = np.log(TRIED[[best - 1, best + 1]]).tolist()
     change, least = minimum(lambda x: left(math.exp(x))[0], low, high, 1e-3)
     wanted = math.exp(change)
-    if now < max(LEAST_GAIN, TIMES * least) or least >= GOOD:
+    if now < TIMES * least or least >= GOOD:
         return ()
     what = f"hip and knee torque do not belong to one leg: a rigid leg wants the knee torque multiplied by {wanted:.3g}"
     what += f", or the hip torque by {1 / wanted:.3g}; so it leaves {least / 2:.1%} of the torques' variance "
