@@ -91,4 +91,3 @@ def test_the_arm_of_the_documentation_is_told_what_is_written_there(shared_data,
     found = re.findall(r"\| ([\d.]+ ± [\d.]+) ", shown)
     assert len(found) == 4 and [one for one in found if one not in said] == []
     assert "joint_6 keeps 4.6 times the noise" in said and "Rotor inertia at joint_3" in said
-    assert "from Time delay" not in said

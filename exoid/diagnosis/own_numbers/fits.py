@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -193,6 +193,24 @@ class Fits:
                 pieces = self.pieces(claim, part.recording, numbers.get(claim, 0.0))
                 rows[:, :, self.place[claim]] = pieces[:, part.kept] * use[:, :, None]
 
+    def _multiply(self, state: State, step: Float) -> None:
+        """Have the model's columns be multiplied as the `state` multiplies its torque, about numbers (Q,): those of the
+        model would not come to rest beside a large gain otherwise.
+        """
+        count = len(self.linear)
+        for j, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
+            block, more = self.blocks[part.recording], self._multiplied(part, self.numbers_of(state, step, j))
+            rows[:, :, :count] = (block.columns[:, part.kept, :count] + more) * use[:, :, None]
+            rows[:, :, -1] = (block.residual[:, part.kept] + more @ step[:count]) * use
+
+    def _multiplied(self, part: Part, numbers: Mapping[Claim, float]) -> Float:
+        """Return by how much the model's columns (J, K, P) on a part change where claims multiply their torque."""
+        out = np.zeros((*self.blocks[part.recording].use[:, part.kept].shape, len(self.linear)))
+        for claim, number in numbers.items():
+            for p in range(len(self.linear) if claim.factor and not claim.moves else 0):
+                out[:, :, p] += number * self.pieces(claim, part.recording, number, p)[:, part.kept, 0]
+        return out
+
     def pieces(self, claim: Claim, k: int, number: float, alone: int | None = None) -> Float:
         """Pieces (J, K, m) of a claim on a recording, where its number is known already; of one number `alone` of the
         model. What moves a torque in time does so before the filter, which bridges samples where they are.
@@ -226,15 +244,14 @@ class Fits:
 
     def slopes(self, state: State, numbers: Float) -> list[Float]:
         """Derivatives (J, K, P) of what `state` adds to each part by the model's numbers, at its own `numbers` (C,)."""
-        out = [np.zeros((*use.shape, len(self.linear))) for use in self.use]
-        for j, (slope, part, use) in enumerate(zip(out, self.parts, self.use, strict=True)):
-            for held, number in of_part(state, numbers, j):
-                if held.claim.moves:
-                    slope += self._moved(held.claim, part.recording, number)[:, part.kept] * use[:, :, None]
-                elif held.claim.factor:
-                    for p in range(len(self.linear)):
-                        pieces = self.pieces(held.claim, part.recording, number, p)
-                        slope[:, :, p] += number * pieces[:, part.kept, 0] * use
+        out = []
+        for j, (part, use) in enumerate(zip(self.parts, self.use, strict=True)):
+            own = {held.claim: number for held, number in of_part(state, numbers, j)}
+            slope = self._multiplied(part, own)
+            for claim, number in own.items():
+                if claim.moves:
+                    slope += self._moved(claim, part.recording, number)[:, part.kept]
+            out.append(slope * use[:, :, None])
         return out
 
     def chosen(self, state: State) -> Float:
@@ -280,11 +297,14 @@ class Fits:
             step = self.together(state)
             if factors:
                 self._place_factors(state, step, factors)
+                self._multiply(state, step)
             before, left = left, self.left_by(state, [step] * 2)
             moved = sum(float(np.sum((now - then) ** 2)) for now, then in zip(left, before, strict=True))
             if k + 1 >= REWEIGHTED and moved <= CLOSE**2 * sum(float(np.sum(now**2)) for now in left):
                 break
         self._place_factors(state, step, self.claims)
+        if factors:  # columns are compared with and without them
+            self._multiply((), step[: self.count])
         self.grams = self._weighted(left, whole)
         return step
 

@@ -101,15 +101,16 @@ class OwnNumbers:
         """The claims of which some recording's number is not the usual one, without recordings of which it may be; what
         each recording has is known of all.
         """
-        out = []
+        out, names = [], [item.name for item in self.now.prepared.all]
         for held, some, mine in zip(self.held, self.of_each, _slices(self.held), strict=True):
             sure = np.abs(self.numbers[mine]) > self.widths[mine]
             if len(held.claim.nodes) > 1:  # of a load another number may be told
-                values = [value for statement in some for value in statement.values.values()]
-                sure[:] = not all(value.low <= held.claim.usual <= value.high for value in values)
+                every = [entry for statement in some for entry in statement.values.items()]
+                known = {name for name, value in every if not value.low <= held.claim.usual <= value.high}
+                sure = np.array([any(names[self.parts[j].recording] in known for j in group) for group in held.groups])
             if held.claim.everyone and sure.any():
                 sure[:] = True
-            groups = tuple(group for group, known in zip(held.groups, sure, strict=True) if known)
+            groups = tuple(group for group, clear in zip(held.groups, sure, strict=True) if clear)
             if groups:
                 out.append(held if groups == held.groups else replace(held, groups=groups))
         return tuple(out)
@@ -178,16 +179,16 @@ class OwnNumbers:
 
     def _moved(self, one: PreparedRecording, *, unseen: bool) -> PreparedRecording:
         """Return a recording with the motion that its torques are of: that of other times, or at other angles, which
-        about the moment of a slip nobody knows; where that of one joint comes late it shows later that this sticks.
+        about the moment of a change nobody knows; where that of one joint comes late it shows later that this sticks.
         """
         times, angles, late = one.motion.t.copy(), np.zeros(one.motion.q.shape), []
-        slips, reach = np.zeros(len(times), dtype=bool), 0.5 * response_seconds(one.cutoff)
+        unknown, reach = np.zeros(len(times), dtype=bool), 0.5 * response_seconds(one.cutoff)
         for j, half, numbers in self._halves(one, unseen=unseen):
             for held, number in of_part(self.held, numbers, j):
+                for moment in filter(None, self.parts[j].span(self.now.prepared) if held.claim.of_motion else ()):
+                    unknown |= np.abs(one.motion.t - moment) <= reach
                 if held.claim.turns is not None:
                     angles[:, held.claim.turns] += half * number
-                    for moment in filter(None, self.parts[j].span(self.now.prepared)):
-                        slips |= np.abs(one.motion.t - moment) <= reach
                 elif held.claim.moves:
                     later = held.claim.moves(replace(self._seen(one, j), number=number)) - one.motion.t
                     if held.claim.of_motion:
@@ -196,7 +197,7 @@ class OwnNumbers:
                         late.append((self.now.model.joint_names.index(str(held.claim.place)), -float(later.mean())))
         timed = one if np.array_equal(times, one.motion.t) else one.at_times(times)
         turned = timed.changed(motion=replace(timed.motion, q=timed.motion.q + angles)) if angles.any() else timed
-        return (turned.lacking(slips) if slips.any() else turned).shown_later(late)
+        return (turned.lacking(unknown) if unknown.any() else turned).shown_later(late)
 
     def _own(self, one: PreparedRecording, *, unseen: bool, borne: bool = False) -> Float:
         """Torque (N, J) of a recording alone, its motion at the times of its torques; or what drives bear of it."""
