@@ -67,7 +67,7 @@ def test_real_rig_rotor_inertia(shared_data):
 def test_real_rig_zeros_that_differ_are_named_and_not_taken_for_an_effect(shared_data):
     """Single runs of the rig ask for offsets of either sign, which help no other: that is no missing effect."""
     train, verify = rig(shared_data)
-    found = discover(Model.standard(thigh_length=0.30), [*train, *verify])
+    found = discover(Model.standard(thigh_length=0.30), train, verify)
     names = {a.name for a in found.accepted}
     assert "rotor_inertia:knee" in names
     assert not {n.partition(":")[0] for n in names} & {"torque_offset", "end_stop", "gravity_tilt", "stribeck"}
