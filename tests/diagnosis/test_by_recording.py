@@ -282,6 +282,15 @@ def test_a_range_that_was_switched_is_a_gain_beside_an_effect_too(gain):
     assert told(found) == {"torque_gain": pytest.approx({"run_1": gain}, rel=0.05)}
 
 
+def test_the_numbers_of_the_machine_come_to_rest_beside_a_large_gain():
+    runs = [drive(k, gain=10.0 if k == 1 else 1.0) for k in range(4)]
+    prepared = prepare(AXIS, runs[:3], runs[3:])
+    own = belonging_to(fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared))
+    ((gain,),) = (statement.values.values() for statement in own.told)
+    assert gain.value == pytest.approx(10.0, abs=0.02)
+    assert own.linear == pytest.approx(NUMBERS, rel=0.005)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seconds", [0.3, -0.7])
 def test_torques_of_a_logger_started_by_hand_are_told_to_the_millisecond(seconds):
