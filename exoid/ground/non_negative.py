@@ -1,8 +1,9 @@
 """Least squares of a dozen numbers none of which can be negative.
 
 The active-set method of Lawson and Hanson (Solving Least Squares Problems, 1974, chapter 23) on the normal equations;
-the last numbers are those of the columns themselves. SciPy's `nnls` is the check on it in the tests: importing
-`scipy.optimize` takes 0.5 s of processor, a twelfth of `discover` on a leg.
+the last numbers are those of the columns themselves. Enough for shares of power; a certificate, whose columns are
+nearly dependent, asks SciPy's `nnls`, which is the check on it in the tests: importing `scipy.optimize` takes 0.5 s of
+processor, a twelfth of `discover` on a leg.
 """
 
 from __future__ import annotations

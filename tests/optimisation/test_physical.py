@@ -136,6 +136,12 @@ def test_positive_masses_are_inside_and_the_mass_matrix_is_definite():
             assert one + 2.0 * three * cos > 0.0 and (one + 2.0 * three * cos) * two - off**2 > 0.0
 
 
+def test_an_answer_on_many_bounds_is_proven_too():
+    data = made(np.array([0.9, 0.4, 0.5, 0.2, 0.0, 0.0, 0.0, 0.0]), 0, 200)
+    proof = certify_physical(data, solve_physical(data, INFINITE, POSSIBLE), INFINITE, POSSIBLE)
+    assert proof.holds, proof
+
+
 @pytest.mark.slow
 def test_identify_says_what_a_possible_leg_costs():
     recordings = [run.recording for run in simulate_runs(2, None, standard_leg(), seed=1, bench=Bench(duration=15.0))]

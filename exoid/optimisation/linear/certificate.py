@@ -23,7 +23,6 @@ from typing import Any
 
 import numpy as np
 
-from exoid.ground.non_negative import non_negative
 from exoid.ground.plain import AsJson
 from exoid.optimisation.linear.loss import huber
 from exoid.optimisation.linear.problem import LinearData
@@ -98,7 +97,7 @@ def certify(
     if data.factor.rank == linear.size:
         blind = blind[:, :0]
     equations, right = np.vstack([pull.T, waste, blind.T]), np.concatenate([wanted, np.zeros(1 + blind.shape[1])])
-    weight = non_negative(equations, right)[0] if conditions else np.zeros(0)
+    weight = _multipliers(equations, right) if conditions else np.zeros(0)
     u, part = _feasible(basis, 2.0 * score, 2.0 * limit, -(pull.T @ weight))
     weight = weight * part
     kkt = ratio(np.linalg.norm(wanted - pull.T @ weight), np.linalg.norm(2.0 * score))
@@ -123,6 +122,13 @@ def certify(
         tolerance=tolerance,
         scope=scope,
     )
+
+
+def _multipliers(equations: Float, right: Float) -> Float:
+    """Return the multipliers, none below zero, that come nearest to the equations."""
+    from scipy.optimize import nnls
+
+    return np.asarray(nnls(equations, right)[0])
 
 
 def ratio(part: Any, whole: Any) -> float:
