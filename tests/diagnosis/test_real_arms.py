@@ -90,4 +90,5 @@ def test_the_arm_of_the_documentation_is_told_what_is_written_there(shared_data,
     said = " ".join(capsys.readouterr().out.split())
     found = re.findall(r"\| ([\d.]+ ± [\d.]+) ", shown)
     assert len(found) == 4 and [one for one in found if one not in said] == []
-    assert "joint_6 keeps 4.6 times the noise" in said and "Rotor inertia at joint_3" in said
+    assert "joint_6 keeps 4.6 times the noise" in said and "Rotor inertia at joint_3 from Time delay" in said
+    assert "Inertia across both joints at joint_5 from Time delay" in said

@@ -63,11 +63,16 @@ def test_real_rig_rotor_inertia(shared_data):
         assert np.sum(after.verify_rms**2 / before.verify_rms**2) < 2.0, "a step that does not help unseen runs"
 
 
+NOT_YET = pytest.mark.xfail(strict=True, reason="beside the zeros an elasticity of the knee misses its votes")
+
+
 @pytest.mark.slow
-def test_real_rig_zeros_that_differ_are_named_and_not_taken_for_an_effect(shared_data):
+@pytest.mark.parametrize("held_out", [True, pytest.param(False, marks=NOT_YET)])
+def test_real_rig_zeros_that_differ_are_named_and_not_taken_for_an_effect(shared_data, held_out):
     """Single runs of the rig ask for offsets of either sign, which help no other: that is no missing effect."""
     train, verify = rig(shared_data)
-    found = discover(Model.standard(thigh_length=0.30), train, verify)
+    given = (train, verify) if held_out else ([*train, *verify],)
+    found = discover(Model.standard(thigh_length=0.30), *given)
     names = {a.name for a in found.accepted}
     assert "rotor_inertia:knee" in names
     assert not {n.partition(":")[0] for n in names} & {"torque_offset", "end_stop", "gravity_tilt", "stribeck"}
