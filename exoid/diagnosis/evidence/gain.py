@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -297,7 +298,7 @@ class Evidence:
         both, square = np.fft.irfft(crossed, samples), np.fft.irfft(squared, samples)
         for each, row in zip(both, into, strict=False):
             np.take(each, shifts, axis=-1, out=row, mode="clip")  # which writes without a copy
-        for each, first, second in zip(square, *np.triu_indices(width), strict=True):
+        for each, (first, second) in zip(square, _pairs(width), strict=True):
             into[-width + first, second] = into[-width + second, first] = each[shifts]
 
     def _transform(self, unit: int, joints: tuple[int, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -396,13 +397,18 @@ class Evidence:
         return coefficients[0, :, 0], step[0, :, 0]
 
 
+def _pairs(count: int) -> list[tuple[int, int]]:
+    """Return all pairs of so many columns, each with itself, too."""
+    return list(combinations_with_replacement(range(count), 2))
+
+
 def _spectra(columns: Columns, node: int) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return the conjugate transforms of the columns of one node, and of their products, at each of its joints."""
-    first, second = np.triu_indices(columns.values.shape[3])
-    out = []
+    out, pairs = [], _pairs(columns.values.shape[3])
     for x in columns.values[node]:
         rows = np.ascontiguousarray(x.T)
-        both = np.conj(np.fft.rfft(np.concatenate([rows, rows[first] * rows[second]])))
+        products = [rows[[first]] * rows[[second]] for first, second in pairs]
+        both = np.conj(np.fft.rfft(np.concatenate([rows, *products])))
         out.append((both[: len(rows)], both[len(rows) :]))
     return out
 

@@ -207,7 +207,10 @@ def inverse_of(grams: Float) -> Float:
     length = np.sqrt(np.maximum(np.einsum("...pp->...p", grams), 0.0))
     scale = np.where(length > NOTHING, length, np.inf)
     norm = scale[..., :, None] * scale[..., None, :]
-    return np.asarray(np.linalg.pinv(grams / norm, rcond=1e-11, hermitian=True) / norm)
+    values, vectors = np.linalg.eigh(grams / norm)
+    known = values > 1e-11 * values[..., -1:]
+    scaled = vectors * (known / np.where(known, values, 1.0))[..., None, :]
+    return np.asarray(scaled @ np.swapaxes(vectors, -1, -2) / norm)
 
 
 def numbers_of(grams: Float, products: Float) -> Float:
