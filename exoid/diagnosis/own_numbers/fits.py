@@ -76,8 +76,8 @@ class Fits:
         self.rising = [self._rising(k) for k in range(len(self.blocks))]
         self.claims = claims_of(now.model, driven_joints(now.prepared.all), state_columns(now))
         self.turning = [self._turning(k) for k in range(len(self.blocks))]
-        self.seen = [self._seen(k) for k in range(len(self.blocks))]
-        pieces = [[claim.pieces(seen) for claim in self.claims] for seen in self.seen]
+        self.seen: dict[int, Seen] = {}
+        pieces = [[claim.pieces(self._seen(k)) for claim in self.claims] for k in range(len(self.blocks))]
         same = [k for k, claim in enumerate(self.claims) if claim.everyone]
         self.count = self.blocks[0].columns.shape[2] + len(same)
         self.prior = np.concatenate([evidence.prior, np.zeros(len(same))])
@@ -157,14 +157,19 @@ class Fits:
         return any(own.whole or item.whole or (own.start == 0) == (item.start == 0) for item in alike)
 
     def _seen(self, k: int) -> Seen:
+        """Return the model on a recording as claims see it, made once for the numbers at which factors are placed."""
+        if k in self.seen:
+            return self.seen[k]
         now, columns = self.now, self.blocks[k].columns[:, :, : len(self.linear)]
         moved, recording = self.linear - now.linear, now.prepared.all[k]
         torque, rising = self.torques[k] + columns @ moved, self.rising[k] @ np.append(moved, 1.0)
         began = float(recording.motion.t[0])
-        return Seen(
-            now.model, self.linear, columns, torque, recording.t, recording.logged, began, rising=rising,
-            by_angle=lambda joint: self.turning[k][joint] @ self.linear,
+        linear, turning = self.linear, self.turning[k]
+        self.seen[k] = Seen(
+            now.model, linear, columns, torque, recording.t, recording.logged, began, rising=rising,
+            by_angle=lambda joint: turning[joint] @ linear,
         )  # fmt: skip
+        return self.seen[k]
 
     def _turning(self, k: int) -> dict[int, Float]:
         """Return the filtered derivatives (J, K, P) of the model's columns by the angles of which claims ask."""
@@ -182,16 +187,17 @@ class Fits:
         both = np.concatenate([seen.columns, seen.torque[:, :, None]], axis=2)
         return recording.smooth_columns(np.gradient(both, seen.t, axis=1))
 
-    def _place_factors(self, state: State, step: Float, claims: Sequence[Claim]) -> None:
-        """Have those of `claims` that multiply a torque of the model do so at numbers (Q,) of it and of the state."""
-        self.linear = self.now.linear + step[: len(self.linear)]
-        self.seen = [self._seen(k) for k in range(len(self.blocks))]
-        factors = [claim for claim in claims if claim.factor]
+    def _place_factors(self, state: State, step: Float, *, held: bool = False) -> None:
+        """Have claims that multiply a torque of the model, or those alone that are `held` of each part, do so at
+        numbers (Q,) of it and of the state.
+        """
+        self.linear, self.seen = self.now.linear + step[: len(self.linear)], {}
         for j, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
             numbers = self.numbers_of(state, step, j)
-            for claim in factors:
-                pieces = self.pieces(claim, part.recording, numbers.get(claim, 0.0))
-                rows[:, :, self.place[claim]] = pieces[:, part.kept] * use[:, :, None]
+            for claim in numbers if held else self.claims:
+                if claim.factor:
+                    pieces = self.pieces(claim, part.recording, numbers.get(claim, 0.0))
+                    rows[:, :, self.place[claim]] = pieces[:, part.kept] * use[:, :, None]
 
     def _multiply(self, state: State, step: Float) -> None:
         """Have the model's columns be multiplied as the `state` multiplies its torque, about numbers (Q,): those of the
@@ -199,15 +205,17 @@ class Fits:
         """
         count = len(self.linear)
         for j, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
-            block, more = self.blocks[part.recording], self._multiplied(part, self.numbers_of(state, step, j))
-            rows[:, :, :count] = (block.columns[:, part.kept, :count] + more) * use[:, :, None]
-            rows[:, :, -1] = (block.residual[:, part.kept] + more @ step[:count]) * use
+            own = {claim: x for claim, x in self.numbers_of(state, step, j).items() if claim.multiplies}
+            if own:
+                block, more = self.blocks[part.recording], self._multiplied(part, own)
+                rows[:, :, :count] = (block.columns[:, part.kept, :count] + more) * use[:, :, None]
+                rows[:, :, -1] = (block.residual[:, part.kept] + more @ step[:count]) * use
 
     def _multiplied(self, part: Part, numbers: Mapping[Claim, float]) -> Float:
         """Return by how much the model's columns (J, K, P) on a part change where claims multiply their torque."""
         out = np.zeros((*self.blocks[part.recording].use[:, part.kept].shape, len(self.linear)))
         for claim, number in numbers.items():
-            for p in range(len(self.linear) if claim.factor and not claim.moves else 0):
+            for p in range(len(self.linear) if claim.multiplies else 0):
                 out[:, :, p] += number * self.pieces(claim, part.recording, number, p)[:, part.kept, 0]
         return out
 
@@ -215,7 +223,7 @@ class Fits:
         """Pieces (J, K, m) of a claim on a recording, where its number is known already; of one number `alone` of the
         model. What moves a torque in time does so before the filter, which bridges samples where they are.
         """
-        seen, recording = self.seen[k], self.now.prepared.all[k]
+        seen, recording = self._seen(k), self.now.prepared.all[k]
         early = claim.moves is not None and number != 0.0
         if early:
             seen = seen_before_filter(self.now, recording, self.linear, self.now.shapes[k])
@@ -277,7 +285,7 @@ class Fits:
             return
         if key in self.weighed:
             step, self.grams = self.weighed[key]
-            self._place_factors(state, step, self.claims)
+            self._place_factors(state, step)
         else:
             if len(self.weighed) >= KEPT:
                 del self.weighed[next(iter(self.weighed))]
@@ -286,25 +294,24 @@ class Fits:
 
     def _weigh_anew(self, state: State) -> Float:
         """Make the Gram matrices of halves; return the numbers (Q,) of model and state at which factors are placed."""
-        whole, factors = range(self.rows[0].shape[2]), [held.claim for held in state if held.claim.factor]
+        whole, factors = range(self.rows[0].shape[2]), any(held.claim.factor for held in state)
         held_too = dict.fromkeys(c for held in state for c in whole[self.place[held.claim]])
         own = [*whole[: self.count], *held_too, whole[-1]]
         step, left = np.zeros(self.count + len(grouped(state))), [rows[:, :, -1] for rows in self.rows]
         if factors:  # which stand where another weighing had them
-            self._place_factors(state, step, factors)
+            self._place_factors(state, step, held=True)
         for k in range((CLOSER if factors else REWEIGHTED) if state else 0):
             self.grams = self._weighted(left, own)
             step = self.together(state)
             if factors:
-                self._place_factors(state, step, factors)
+                self._place_factors(state, step, held=True)
                 self._multiply(state, step)
             before, left = left, self.left_by(state, [step] * 2)
             moved = sum(float(np.sum((now - then) ** 2)) for now, then in zip(left, before, strict=True))
             if k + 1 >= REWEIGHTED and moved <= CLOSE**2 * sum(float(np.sum(now**2)) for now in left):
                 break
-        self._place_factors(state, step, self.claims)
-        if factors:  # columns are compared with and without them
-            self._multiply((), step[: self.count])
+        self._place_factors(state, step)
+        self._multiply(state, np.zeros(len(step)))  # columns are compared with and without them
         self.grams = self._weighted(left, whole)
         return step
 

@@ -130,6 +130,11 @@ class Claim:
         return self.moves is not None or self.turns is not None
 
     @property
+    def multiplies(self) -> bool:
+        """True if it multiplies a torque of the model by a number."""
+        return self.factor and self.moves is None
+
+    @property
     def of_motion(self) -> bool:
         """True if the torques, all of them, are those of another motion than the one recorded."""
         return self.bends and (self.place is None or self.turns is not None)
