@@ -130,7 +130,7 @@ class _Search:
                 self.fits.weigh(state)
             if sum(not (held.claim.everyone or held.claim.common) for held in state) >= self.ways:
                 break
-            longer = [(*state, self._grown(state, held)) for held in self._promising(state)]
+            longer = self._longer(state)
             alike = [(*state, held) for held in self._common(state)]
             best = least_of([*alike, *longer], self.fits.weighed_loss, 1.0) if alike or longer else state
             # One number for all may explain as much, and so may the same on another link: a load at a pivot is on both.
@@ -166,7 +166,8 @@ class _Search:
         if len(rest) == len(state) or len(rest) >= self.ways:
             return state
         self.fits.weigh(rest)
-        turned = [(*rest, self._grown(rest, held)) for held in self._promising(rest) if held.claim.turns is not None]
+        turning = [held for held, _ in self._promising(rest) if held.claim.turns is not None]
+        turned = [(*rest, self._grown(rest, held)) for held in turning]
         if not turned:
             return state
         rival = least_of(turned, self.fits.weighed_loss, 1.0)
@@ -226,9 +227,21 @@ class _Search:
         most = (1.0 - self.rules.least_share) * self.fits.loss(state)
         return [item for item in free if self.fits.loss((*state, item)) <= most]
 
-    def _promising(self, state: State) -> list[Claimed]:
-        """The most promising recording and node of claims that are not held: the best few, and the best of each
-        hypothesis, since how late a clock is shows only step by step.
+    def _longer(self, state: State) -> list[State]:
+        """The claims with one more, each of those that promise most, unless another explains far more than that could:
+        only how late a clock is shows step by step.
+        """
+        longer, now, explained = [], self.fits.loss(state), 0.0
+        for held, most in self._promising(state):
+            if held.claim.moves or most >= self.rules.half * explained:
+                longer.append((*state, self._grown(state, held)))
+                self.fits.weigh(state)
+                explained = max(explained, now - self.fits.loss(longer[-1]))
+        return longer
+
+    def _promising(self, state: State) -> list[tuple[Claimed, float]]:
+        """The most promising recording and node of claims that are not held, with what each could explain at most: the
+        best few, and the best of each hypothesis.
         """
         taken = {held.claim for held in state}
         free = [item for item in self.claims if not (item.everyone or item.common or item in taken)]
@@ -261,7 +274,7 @@ class _Search:
             left += number**2 * squares[:, other] - 2.0 * number * np.sum(moved * products[:, other], axis=1)
             numbers += number
             losses += np.where((low <= number) & (number <= high), left, np.inf)
-        best: list[tuple[float, Claimed]] = []
+        best: list[tuple[float, Claimed, float]] = []
         for claim in free:
             mine = [c for c, (element, _) in enumerate(nodes) if element is claim]
             # What all explain that differ is no more than what each explains alone: the model is between them.
@@ -271,11 +284,11 @@ class _Search:
             k, c = divmod(index_of_least(losses[:, mine].ravel()), len(mine))
             less = claim.shared and numbers[k, mine[c]] < 0.0
             group = tuple(j for j in range(self.many) if (j == k) != less)
-            best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,))))
+            best.append((float(losses[k, mine[c]]), Claimed(claim, claim.nodes[c], (group,)), alone))
         useful = [entry for entry in best if entry[0] <= (1.0 - self.rules.least_share) * now]
-        ordered = [held for _, held in ascending(useful, lambda one: one[0], 1.0)]
-        kinds = [held.claim.what for held in ordered]
-        return [held for k, held in enumerate(ordered) if k < TRIED or held.claim.what not in kinds[:k]]
+        ordered = [(held, most) for _, held, most in ascending(useful, lambda one: one[0], 1.0)]
+        kinds = [held.claim.what for held, _ in ordered]
+        return [entry for k, entry in enumerate(ordered) if k < TRIED or kinds[k] not in kinds[:k]]
 
     def _grown(self, state: State, held: Claimed) -> Claimed:
         """A claim with as many recordings as clearly have it, and no more. No choice of them is asked about twice: the
@@ -332,8 +345,8 @@ class _Search:
 
     def _others(self, held: Claimed) -> list[Claimed]:
         """A claim with one recording more, which has a number of its own; of a number that may be shared also one that
-        does, and with one recording less; of others also, last, the recordings that have none in place of those that
-        have. One recording at least says what is usual.
+        does, and with one recording less; of others also with both parts of a recording together and, last, the
+        recordings that have none in place of those that have. One recording at least says what is usual.
         """
         inside = {k for group in held.groups for k in group}
         outside = tuple((k,) for k in range(self.many) if k not in inside)
@@ -345,6 +358,10 @@ class _Search:
                 fewer = [tuple(k for k in group if k != out) for out in group if len(group) > 1]
                 tried += [tuple(sorted((*rest, item))) for item in (*joined, *fewer)]
         else:
+            for parts in self.fits.everyone:
+                own = [group for group in held.groups if group != parts and set(group) <= set(parts)]
+                others = (group for group in held.groups if group not in own)
+                tried += [tuple(sorted((*others, parts)))] if own else []
             tried.append(outside)
         return [replace(held, groups=groups) for groups in tried if sum(map(len, groups)) < self.many]
 
