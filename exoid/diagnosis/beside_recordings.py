@@ -220,8 +220,10 @@ def _with_own(asking: Asking, given: Prepared, own: OwnNumbers, ways: int) -> tu
             return *kept[:2], own if own.by_recording.keys() == kept[2].by_recording.keys() else kept[2]
         kept = rival, fitted_on(rival.fit, without), own
         last = fitted_on(_common(kept[1], _names(rival)).fit, own.carried(given))
-        if own.now.model.effects == last.model.effects and not own.needless:  # beside these it was found
-            return kept
+        # Friction that grows with the load did not feel yet what is carried.
+        unfelt = not turn and last.model.needs_reference and any(held.claim.borne for held in own.held)
+        if own.now.model.effects == last.model.effects and not (own.needless or unfelt):
+            return kept  # beside these it was found
         own = _belonging_beside(last, asking.question.rules, own.cuts, ways) or own
         if kept[2].agrees(own) and not own.needless:
             return *kept[:2], own

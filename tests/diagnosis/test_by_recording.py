@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from exoid.diagnosis import discover
+from exoid.diagnosis.evidence.candidates import candidate_columns
 from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.hypotheses.recordings import Seen, claims_of
 from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
 from exoid.diagnosis.own_numbers.found import belonging_to
@@ -244,6 +246,27 @@ def test_a_load_is_weighed_and_placed_whoever_carries_it(heavy):
     assert told(found)["carried_load"] == pytest.approx({f"run_{k}": 1.5 for k in heavy}, abs=0.1)
     (one,) = found.of_recordings
     assert one.place.value == pytest.approx(0.3, abs=0.02) and "axis" in one.sentence
+
+
+@pytest.mark.slow
+def test_friction_that_grows_with_the_load_feels_what_is_carried():
+    """The load's own part of it was another level of friction, and 7.3 times the noise was left."""
+    model = AXIS.with_effect("load_friction", "axis")
+    runs = [drive(k, np.append(NUMBERS + (k in (1, 3)) * added(1.5, 0.3), 0.15), model=model) for k in range(4)]
+    found = discover(model, runs[:3], runs[3])
+    assert found.verdict == "adequate"
+    assert told(found) == {"carried_load": pytest.approx({"run_1": 1.5, "run_3": 1.5}, abs=0.02)}
+
+
+def test_an_effect_that_is_suspected_feels_what_is_carried_as_one_that_the_model_has():
+    runs = [drive(k) for k in range(2)]
+    fitted = fitted_model(identify(AXIS, prepare(AXIS, runs).train, optimisers=()), prepare(AXIS, runs))
+    one = fitted.prepared.all[0].carrying(3.0 * np.sin(fitted.prepared.all[0].motion.t)[:, None])
+    (suspect,) = [item for item in build_library(AXIS, [one]).candidates if item.name == "load_friction:axis"]
+    columns = candidate_columns(suspect, np.zeros((1, 0)), one, fitted).values[0, 0, :, 0]
+    with_it = AXIS.with_effect("load_friction", "axis")
+    known = with_it.columns(one.motion, None, np.append(fitted.linear, 0.0))[:, :, -1:]
+    np.testing.assert_allclose(columns, one.smooth_columns(known)[0, :, 0], atol=1e-9)
 
 
 @pytest.mark.slow

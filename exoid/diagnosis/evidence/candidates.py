@@ -283,7 +283,9 @@ _FED_BACK: WeakKeyDictionary[FittedModel, WeakKeyDictionary[PreparedRecording, d
 
 
 def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
-    """Return tau_rigid and tau_model (N,) of all joints, from the parameters of the model (never measured)."""
+    """Return tau_rigid and tau_model (N,) of all joints, from the parameters of the model (never measured), and from
+    what is carried.
+    """
     if fitted not in _FED_BACK:
         _FED_BACK.clear()
     kept = _FED_BACK.setdefault(fitted, WeakKeyDictionary()).setdefault(one, {})
@@ -291,9 +293,11 @@ def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]
         base = fitted.model.base()
         count, rigid = len(base.parameters), len(base.inertial)
         columns, numbers = base.whole_columns(one.motion), carrying(base, one.motion, fitted.linear[:count])
-        found = {f"tau_model{j + 1}": each @ numbers for j, each in enumerate(columns)}
+        load = np.zeros(one.motion.q.shape) if one.motion.load is None else one.motion.load
+        found = {f"tau_model{j + 1}": each @ numbers + load[:, j] for j, each in enumerate(columns)}
+        rigidly = ((j, each[:, :rigid] @ numbers[:rigid] + load[:, j]) for j, each in enumerate(columns))
         # All at once: the page answers by several threads, and another may ask meanwhile.
-        kept |= found | {f"tau_rigid{j + 1}": each[:, :rigid] @ numbers[:rigid] for j, each in enumerate(columns)}
+        kept |= found | {f"tau_rigid{j + 1}": torque for j, torque in rigidly}
     return kept
 
 

@@ -227,13 +227,15 @@ class OwnNumbers:
         return seen_before_filter(self.now, one, self.linear, self.now.shapes[self.parts[j].recording])
 
     def agrees(self, other: OwnNumbers) -> bool:
-        """True if another look finds the same in the same recordings, within its intervals; where that multiplies or
-        moves the model's torque, beside a model of the same terms.
+        """True if another look finds the same in the same recordings, and loads at the same place, within its
+        intervals; where that multiplies or moves the model's torque, beside a model of the same terms.
         """
         if any(held.claim.factor for held in self.held) and self.now.model.effects != other.now.model.effects:
             return False
         first, new = self.by_recording, other.by_recording
-        return first.keys() == new.keys() and all(new[k].low <= e.value <= new[k].high for k, e in first.items())
+        at, there = ({b.claim: b.place for b in own.told if b.place is not None} for own in (self, other))
+        pairs = [(e, new.get(k, e)) for k, e in first.items()] + [(e, there.get(k, e)) for k, e in at.items()]
+        return first.keys() == new.keys() and all(e.low <= old.value <= e.high for old, e in pairs)
 
     @property
     def by_recording(self) -> dict[tuple[Any, ...], Estimate]:
