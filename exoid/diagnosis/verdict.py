@@ -86,6 +86,14 @@ class _End:
         return "" if self.swing is None else f" And {self.swing.sentence}"
 
     @property
+    def dead(self) -> str:
+        """Joints whose angle never changes although their torque does, as a sentence that follows others."""
+        every, names = self.last.prepared.all, self.last.model.joint_names
+        stands = np.all([item.standing & (np.ptp(item.torque, axis=1) > 0.0) for item in every], axis=0)
+        still = " and ".join(name for name, stood in zip(names, stands, strict=True) if stood)
+        return f" The angle of the {still} never changes: if it was not locked, this channel is dead." if still else ""
+
+    @property
     def nearest(self) -> str:
         """Nearest of the candidates that were not accepted, as sentences that follow others; "" without any."""
         told = {} if self.leading is None else {self.leading.name: self.leading}
@@ -110,7 +118,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
     if left is not None:
         rule = f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})"
         text = f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
-        text += end.oscillation + end.nearest
+        text += end.dead + end.oscillation + end.nearest
         advice = (
             "repeat slow motion through that range with and without load, then write the effect as "
             "[[custom_effects]] (a suggestion is in the report) and test it with `exoid add`"
@@ -122,7 +130,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
             f"the error {where} is {error.beside}, and no catalogue entry or smooth curve that can "
             "be accepted lowers it"
         )
-        text = f"The model is not as good as the sensors: {error.sentence}.{end.oscillation}{end.nearest}"
+        text = f"The model is not as good as the sensors: {error.sentence}.{end.dead}{end.oscillation}{end.nearest}"
         advice = error.advice if swing is None else swing.advice
     elif (early := next((item for item in end.possible if item.early), None)) is not None:
         name = called(early.name, end.find)

@@ -97,3 +97,11 @@ def test_every_derivative_copes_with_a_joint_that_stands(derivative):
     prepared = prepare(Model.standard(), [Recording("periodic", t, noisy, tau)], derivative=derivative)
     fit = identify(Model.standard(), prepared.train, optimisers=())
     assert fit.linear[4] == pytest.approx(BETA[4], rel=0.05)
+
+
+@pytest.mark.slow
+def test_an_angle_that_never_changes_is_named_where_the_error_stays():
+    frozen = [replace(one, q=np.column_stack([one.q[:, 0], np.full(len(one), -0.4)])) for one in runs((True, True), 4)]
+    found = discover(Model.standard(), frozen[:3], frozen[3:])
+    assert found.verdict == "unexplained"
+    assert "The angle of the knee never changes: if it was not locked, this channel is dead." in found.sentence
