@@ -270,6 +270,18 @@ def test_an_effect_that_is_suspected_feels_what_is_carried_as_one_that_the_model
 
 
 @pytest.mark.slow
+def test_a_level_of_dry_and_viscous_friction_need_not_be_that_of_an_effect():
+    """Where an effect's friction stayed, two levels were told, one of each part."""
+    model = AXIS.with_effect("viscous_quadratic", "axis")
+    stiff = NUMBERS * [1.0, 1.0, 1.6, 1.6]
+    runs = [drive(k, np.append(stiff if k == 1 else NUMBERS, 0.4), model=model) for k in range(4)]
+    found = discover(AXIS, runs[:3], runs[3])
+    assert [item.name for item in found.accepted] == ["viscous_quadratic:axis"]
+    assert told(found) == {"friction_level": pytest.approx({"run_1": 1.6}, abs=0.05)} and len(found.of_recordings) == 1
+    assert "The dry and viscous friction of the axis is another" in found.sentence
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("heavy", [{1: 0.8, 3: 1.6}, {0: 0.8, 1: 1.6, 3: 0.8}])
 def test_loads_of_two_sizes_are_weighed_each(heavy):
     """One number for all was 1.74 kg, with a gain and zeros for what was left."""

@@ -177,7 +177,7 @@ class BeforeAfter:
         tied = [r for r, lag in alike.items() if lag < self.rules.tied and _many(r) < _many(lead)]
         rest = [c for c in (lead, *alike) if c not in tied[:1]]
         lead = tied[0] if tied else lead
-        names = tuple(c.asked.name for c in rest if c is not lead)
+        names = tuple(c.asked.name for c in rest if c.asked.name != lead.asked.name)
         return replace(lead, alike=names, share=self._share(state, lead), p_value=chance)
 
     def _leading(self, changes: Sequence[_Change]) -> _Change:

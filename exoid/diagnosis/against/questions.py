@@ -14,6 +14,7 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.hypotheses.recordings import Claim, Seen, claims_of, nothing
+from exoid.diagnosis.hypotheses.recordings.friction_level import BASE
 from exoid.optimisation.preparation.filtering import PreparedRecording, driven_joints
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.language.torque import torques
@@ -86,7 +87,8 @@ def questions(fitted: FittedModel, extra: Iterable[Effect] = (), claims: Sequenc
     """
     model, every = fitted.model, fitted.prepared.all
     claims = claims or claims_of(model, driven_joints(every))
-    found = [_claimed(claim) for claim in claims if claim.place and not (claim.common or claim.of or claim.bends)]
+    usual = [claim for claim in claims if claim.place and not (claim.common or claim.bends)]
+    found = [_claimed(claim) for claim in usual if claim.of in ("", BASE)]
     names = [(p.name, p.unit, False) for p in model.parameters]
     names += [(s.name, s.shape.unit, bool(s.shape.choices)) for s in model.shapes]
     for k, (name, unit, chosen) in enumerate(names):

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from exoid.diagnosis.hypotheses.recordings import Claim, Seen, StateColumn, at_joint
-from exoid.diagnosis.hypotheses.recordings.friction_level import friction
+from exoid.diagnosis.hypotheses.recordings.friction_level import frictions
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 
@@ -37,8 +37,9 @@ def _at_joint(model: Model, k: int, column: StateColumn) -> list[Claim]:
             common=True, of=of,
         )  # fmt: skip
 
+    rubs = frictions(model, k).items()
     return [
-        claim(f"friction, {at}", "1", partial(friction, k), most, drive=False),
+        *(claim(f"{of}friction, {at}", "1", friction, most, drive=False) for of, friction in rubs),
         claim(f"torque as it is told, {at}", "1", lambda seen: seen.torque[k], most),
         claim("torque sensor's zero", joint.unit("tau"), lambda seen: np.ones(len(seen.t)), np.inf),
     ]
