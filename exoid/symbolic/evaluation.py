@@ -6,7 +6,7 @@ Needs no equations: the base columns that tau_rigid, tau_model and transforms ac
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -97,19 +97,27 @@ def motion_words(motion: Motion) -> dict[str, Float | float]:
 def feedback(
     model: ModelStructure, terms: Iterable[Term], base: Float, linear: Float, motion: Motion
 ) -> dict[str, Float]:
-    """Return tau_rigid and tau_model of the joints of which `terms` speak, from the columns (J, N, B) at `base_places`
-    and reference parameters (P,), with the load of `motion`.
+    """Return tau_rigid and tau_model of the joints of which `terms` speak, as `fed_back` has them."""
+    used = {name for term in terms for torque in torques(term) for name in torque.names}
+    return fed_back(model, base, linear, motion, used)
+
+
+def fed_back(
+    model: ModelStructure, base: Float, linear: Float, motion: Motion, used: Collection[str] | None = None
+) -> dict[str, Float]:
+    """Return tau_rigid and tau_model (N,) of all joints, or those of them that are `used`, from the columns (J, N, B)
+    at `base_places` and reference parameters (P,), with the load of `motion`.
 
     They are never taken from a measurement: that would leak the answer into the question.
     """
-    used, whole = {name for term in terms for torque in torques(term) for name in torque.names}, base_places(model)
+    whole = base_places(model)
     every = np.concatenate([linear, np.ones(max(0, 1 + max(whole) - len(linear)))])[whole]
     rigid = np.where(np.isin(whole, rigid_places(model)), every, 0.0)
     return {
         f"{word}{j + 1}": columns @ numbers + (0.0 if motion.load is None else motion.load[:, j])
         for word, numbers in (("tau_rigid", rigid), ("tau_model", every))
         for j, columns in enumerate(base)
-        if f"{word}{j + 1}" in used
+        if used is None or f"{word}{j + 1}" in used
     }
 
 

@@ -23,7 +23,7 @@ from exoid.ground.errors import ExpressionError
 from exoid.measurement.signals.butterworth import WaveProducts
 from exoid.optimisation.preparation.filtering import PreparedRecording
 from exoid.symbolic.columns import derived_columns, slopes_of, transformed
-from exoid.symbolic.evaluation import apply_transforms, carrying, motion_words, torque_values
+from exoid.symbolic.evaluation import apply_transforms, carrying, fed_back, motion_words, torque_values
 from exoid.symbolic.language.deflection import SLOPES
 from exoid.symbolic.language.lower import to_numpy
 from exoid.symbolic.language.torque import Torque, is_transform, part_of, torques, transforms
@@ -291,13 +291,9 @@ def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]
     kept = _FED_BACK.setdefault(fitted, WeakKeyDictionary()).setdefault(one, {})
     if not kept:
         base = fitted.model.base()
-        count, rigid = len(base.parameters), len(base.inertial)
-        columns, numbers = base.whole_columns(one.motion), carrying(base, one.motion, fitted.linear[:count])
-        load = np.zeros(one.motion.q.shape) if one.motion.load is None else one.motion.load
-        found = {f"tau_model{j + 1}": each @ numbers + load[:, j] for j, each in enumerate(columns)}
-        rigidly = ((j, each[:, :rigid] @ numbers[:rigid] + load[:, j]) for j, each in enumerate(columns))
+        numbers = carrying(base, one.motion, fitted.linear[: len(base.parameters)])
         # All at once: the page answers by several threads, and another may ask meanwhile.
-        kept |= found | {f"tau_rigid{j + 1}": torque for j, torque in rigidly}
+        kept |= fed_back(base, base.whole_columns(one.motion), numbers, one.motion)
     return kept
 
 
