@@ -215,7 +215,7 @@ class Fits:
         """Return by how much the model's columns (J, K, P) on a part change where claims multiply their torque."""
         out = np.zeros((*self.blocks[part.recording].use[:, part.kept].shape, len(self.linear)))
         for claim, number in numbers.items():
-            for p in range(len(self.linear) if claim.multiplies else 0):
+            for p in range(len(self.linear) if claim.multiplies and number else 0):
                 out[:, :, p] += number * self.pieces(claim, part.recording, number, p)[:, part.kept, 0]
         return out
 
