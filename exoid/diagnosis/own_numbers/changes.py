@@ -70,6 +70,7 @@ def changes_of(fits: Fits, state: State) -> Cuts:
     zeros = [claim for claim in fits.claims if claim.everyone and claim not in known]
     state = (*state, *(Claimed(claim, claim.nodes[0], (every,)) for claim in zeros))
     own = np.concatenate([np.r_[fits.place[claim]] for claim in fits.claims if not claim.common])
+    fits.ask_all()
     found: dict[int, int] = {}
     for k, (rows, left) in enumerate(zip(fits.rows, fits.left(state), strict=True)):
         columns = np.concatenate([rows[:, :, own], left[:, :, None]], axis=2) / fits.sigma[:, None, None]

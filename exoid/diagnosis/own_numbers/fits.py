@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -54,6 +54,19 @@ def columns_on(now: FittedModel, motion: Motion, shape: Float) -> Float:
     return now.model.columns(motion, shape, now.linear if now.model.needs_reference else None)
 
 
+@dataclass(eq=False)
+class Weighing:
+    """What a `state` leaves of each part (`left`, (J, K)), as robust as which halves are weighed, and the numbers (Q,)
+    at which it does; Gram matrices (R, 2, D, D) of the columns that are `known`, zero for others.
+    """
+
+    state: State
+    step: Float
+    left: Sequence[Float]
+    grams: Float | None = None
+    known: frozenset[int] = frozenset()
+
+
 class Fits:
     """All parts of recordings with a fitted model, ready to be fitted anew with claims.
 
@@ -98,7 +111,7 @@ class Fits:
         every, seconds = now.prepared.all, rules.block_seconds
         self.starts = [every[p.recording].starts_within(seconds, p.start, p.stop) for p in self.parts]
         self.curves: dict[str | None, State] = {}
-        self.weighed: dict[tuple[Any, ...], tuple[Float, Float]] = {}
+        self.weighed: dict[tuple[Any, ...], Weighing] = {}
         self.weighed_for: tuple[Any, ...] | None = None
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.blocks])
         self.weigh(())
@@ -187,17 +200,23 @@ class Fits:
         both = np.concatenate([seen.columns, seen.torque[:, :, None]], axis=2)
         return recording.smooth_columns(np.gradient(both, seen.t, axis=1))
 
-    def _place_factors(self, state: State, step: Float, *, held: bool = False) -> None:
-        """Have claims that multiply a torque of the model, or those alone that are `held` of each part, do so at
-        numbers (Q,) of it and of the state.
+    def _place_factors(self, state: State, step: Float, claims: Iterable[Claim] | None = None) -> None:
+        """Have `claims` that multiply a torque of the model, of each part those that are held of it unless they are
+        given, do so at numbers (Q,) of it and of the state.
         """
-        self.linear, self.seen = self.now.linear + step[: len(self.linear)], {}
+        made: dict[tuple[Claim, int, float], Float] = {}  # parts of a recording that know no number have the same
         for j, (rows, part, use) in enumerate(zip(self.rows, self.parts, self.use, strict=True)):
             numbers = self.numbers_of(state, step, j)
-            for claim in numbers if held else self.claims:
+            for claim in numbers if claims is None else claims:
                 if claim.factor:
-                    pieces = self.pieces(claim, part.recording, numbers.get(claim, 0.0))
-                    rows[:, :, self.place[claim]] = pieces[:, part.kept] * use[:, :, None]
+                    key = claim, part.recording, numbers.get(claim, 0.0)
+                    if key not in made:
+                        made[key] = self.pieces(*key)
+                    rows[:, :, self.place[claim]] = made[key][:, part.kept] * use[:, :, None]
+
+    def _linearise(self, step: Float) -> None:
+        """Have the model's torque, which claims multiply, be that at other numbers (Q,) of it."""
+        self.linear, self.seen = self.now.linear + step[: len(self.linear)], {}
 
     def _multiply(self, state: State, step: Float) -> None:
         """Have the model's columns be multiplied as the `state` multiplies its torque, about numbers (Q,): those of the
@@ -277,61 +296,100 @@ class Fits:
         return out
 
     def weigh(self, state: State) -> None:
-        """Make the `grams` (R, 2, D, D) of halves, weighted as robust as what `state` leaves asks for, and have what
-        multiplies a torque of the model do so at the numbers that are then found: whatever was asked before.
+        """Weigh halves as robust as what `state` leaves asks for, and have what multiplies a torque of the model do so
+        at the numbers that are then found: whatever was asked before. Most that is asked then is about what is held:
+        other claims follow as soon as one of them is asked about.
         """
         key = tuple((held.claim, held.node, held.groups) for held in state)
         if key == self.weighed_for:
             return
         if key in self.weighed:
-            step, self.grams = self.weighed[key]
-            self._place_factors(state, step)
+            self.weighing = self.weighed[key]
+            self._stand()
         else:
             if len(self.weighed) >= KEPT:
                 del self.weighed[next(iter(self.weighed))]
-            self.weighed[key] = self._weigh_anew(state), self.grams
+            self.weighed[key] = self._weigh_anew(state)
         self.weighed_for = key
 
-    def _weigh_anew(self, state: State) -> Float:
-        """Make the Gram matrices of halves; return the numbers (Q,) of model and state at which factors are placed."""
+    def _weigh_anew(self, state: State) -> Weighing:
         whole, factors = range(self.rows[0].shape[2]), any(held.claim.factor for held in state)
-        held_too = dict.fromkeys(c for held in state for c in whole[self.place[held.claim]])
-        own = [*whole[: self.count], *held_too, whole[-1]]
+        own = {*whole[: self.count], whole[-1], *(c for held in state for c in whole[self.place[held.claim]])}
         step, left = np.zeros(self.count + len(grouped(state))), [rows[:, :, -1] for rows in self.rows]
-        if factors:  # which stand where another weighing had them
-            self._place_factors(state, step, held=True)
+        self.weighing = Weighing(state, step, left)
+        self._stand()  # where another weighing had them
         for k in range((CLOSER if factors else REWEIGHTED) if state else 0):
-            self.grams = self._weighted(left, own)
+            self.weighing = Weighing(state, step, left)
+            self._sum_up(own)
             step = self.together(state)
             if factors:
-                self._place_factors(state, step, held=True)
+                self._linearise(step)
+                self._place_factors(state, step)
                 self._multiply(state, step)
             before, left = left, self.left_by(state, [step] * 2)
             moved = sum(float(np.sum((now - then) ** 2)) for now, then in zip(left, before, strict=True))
             if k + 1 >= REWEIGHTED and moved <= CLOSE**2 * sum(float(np.sum(now**2)) for now in left):
                 break
-        self._place_factors(state, step)
         self._multiply(state, np.zeros(len(step)))  # columns are compared with and without them
-        self.grams = self._weighted(left, whole)
-        return step
+        self.weighing = Weighing(state, step, left)
+        self._stand()
+        self._sum_up(own.union(c for claim in self.claims if claim.everyone for c in whole[self.place[claim]]))
+        return self.weighing
 
-    def _weighted(self, left: Sequence[Float], columns: Sequence[int]) -> Float:
-        """Return Gram matrices (R, 2, D, D) of some columns, zero for others, as robust as what is `left` asks for."""
-        grams = np.zeros((len(self.rows), 2, *2 * self.rows[0].shape[2:]))
-        sigma = pooled_scale(list(zip(left, self.use, strict=True)))
-        for halves, rows, r in zip(grams, self.rows, left, strict=True):
+    def _stand(self) -> None:
+        """Have what the present weighing holds stand at its numbers, and what every recording has: other claims do once
+        they are asked about.
+        """
+        self._linearise(self.weighing.step)
+        self.standing = set[Claim]()
+        every = (claim for claim in self.claims if claim.everyone)
+        self._ask([*(held.claim for held in self.weighing.state), *every])
+
+    def _ask(self, claims: Iterable[Claim]) -> None:
+        """Have `claims` that multiply a torque of the model do so where the present weighing has it."""
+        late = [claim for claim in claims if claim.factor and claim not in self.standing]
+        self._place_factors(self.weighing.state, self.weighing.step, late)
+        self.standing.update(late)
+
+    def ask_all(self) -> None:
+        """Have all claims stand where the present weighing has them, and be in its `grams`."""
+        self._ask(self.claims)
+        self._sum_up(range(self.rows[0].shape[2]))
+
+    @property
+    def grams(self) -> Float:
+        """Weighted Gram matrices (R, 2, D, D) of halves; zero for columns that nobody asked about."""
+        assert self.weighing.grams is not None
+        return self.weighing.grams
+
+    def _sum_up(self, columns: Collection[int]) -> None:
+        """Make Gram matrices of some columns; what is known already stays the same to the last digit."""
+        now, width = self.weighing, self.rows[0].shape[2]
+        if len(now.known) == width:
+            return
+        grams, some = np.zeros((len(self.rows), 2, width, width)), sorted(columns)
+        sigma = pooled_scale(list(zip(now.left, self.use, strict=True)))
+        for halves, rows, r in zip(grams, self.rows, now.left, strict=True):
             size = np.maximum(np.abs(r), 1e-300)
             weight = np.minimum(1.0, self.rules.robust * sigma[:, None] / size) / sigma[:, None] ** 2
             half = rows.shape[1] // 2
             for gram, part in zip(halves, (slice(0, half), slice(half, None)), strict=True):
-                some = rows[:, part] if len(columns) == rows.shape[2] else rows[:, part, columns]
-                gram[np.ix_(columns, columns)] = np.tensordot(some, some * weight[:, part, None], ((0, 1), (0, 1)))
-        return grams
+                own = rows[:, part] if len(some) == width else rows[:, part, some]
+                gram[np.ix_(some, some)] = np.tensordot(own, own * weight[:, part, None], ((0, 1), (0, 1)))
+        if now.grams is not None:
+            down, across = np.ix_(sorted(now.known), sorted(now.known))
+            grams[:, :, down, across] = now.grams[:, :, down, across]
+        now.grams, now.known = grams, frozenset(some)
 
     def sums(self, state: State) -> Float:
         """Gram matrices (R, 2, Q + 1, Q + 1) of halves for model, state and residual."""
+        known, whole = self.weighing.known, range(self.rows[0].shape[2])
+        if len(known) < len(whole) and not known.issuperset(c for h in state for c in whole[self.place[h.claim]]):
+            self.ask_all()
         chosen = self.chosen(state)[:, None]
-        return np.asarray(np.swapaxes(chosen, 2, 3) @ self.grams @ chosen)
+        some = np.flatnonzero(chosen.any(axis=(0, 1, 3)))
+        chosen = chosen[:, :, some]
+        return np.asarray(np.swapaxes(chosen, 2, 3) @ self.grams[:, :, some[:, None], some] @ chosen)
 
     def together(self, state: State, without: tuple[int, ...] = ()) -> Float:
         """Numbers (Q,) of model and state fitted to all halves, or to all `without` one (part, half)."""
@@ -341,22 +399,23 @@ class Fits:
         return self.solved(np.tensordot(which, self.sums(state), ((0, 1), (0, 1))))[0]
 
     def solved(self, whole: Float) -> tuple[Float, Float]:
-        """Numbers (Q,) that a Gram matrix (Q + 1, Q + 1) asks for, and the inverse (Q, Q) of its normal matrix."""
-        prior = np.zeros(len(whole) - 1)
+        """Numbers (..., Q) that Gram matrices (..., Q + 1, Q + 1) ask for, and inverses (..., Q, Q) of their normal
+        matrices.
+        """
+        prior = np.zeros(whole.shape[-1] - 1)
         prior[: self.count] = self.prior
-        inverse = inverse_of(whole[:-1, :-1] + np.diag(prior))
-        return inverse @ whole[:-1, -1], inverse
+        inverse = inverse_of(whole[..., :-1, :-1] + np.diag(prior))
+        return (inverse @ whole[..., :-1, -1:])[..., 0], inverse
 
     def loss(self, state: State) -> float:
         """Weighted squared error of halves by numbers of the others; infinite where a number is none that can be."""
         sums, loss = self.sums(state).sum(axis=0), 0.0
-        for own, other in ((0, 1), (1, 0)):
-            step = self.solved(sums[own])[0]
-            bounds = [held.claim.bounds for held, _ in grouped(state)]
+        bounds = [held.claim.bounds for held, _ in grouped(state)]
+        for step, other in zip(self.solved(sums)[0], sums[::-1], strict=True):
             if any(not low <= x <= high for x, (low, high) in zip(step[self.count :], bounds, strict=True)):
                 return np.inf
             both = np.append(-step, 1.0)
-            loss += float(both @ sums[other] @ both)
+            loss += float(both @ other @ both)
         return loss
 
     def squares(self, state: State) -> float:
@@ -383,8 +442,9 @@ class Fits:
         """Residuals (J, K) of each part by the numbers that fit all halves best."""
         return self.left_by(state, [self.together(state)] * 2)
 
-    def left_by(self, state: State, steps: Sequence[Float]) -> list[Float]:
+    def left_by(self, state: State, steps: Sequence[Float] | Float) -> list[Float]:
         """Residuals (J, K) of each part, its halves by the numbers `steps` (2, Q)."""
+        self._ask(held.claim for held in state)
         out = []
         for rows, chosen in zip(self.rows, self.chosen(state), strict=True):
             half = rows.shape[1] // 2
@@ -394,8 +454,7 @@ class Fits:
 
     def losses(self, state: State) -> list[Float]:
         """Huber loss in blocks of each part, each half judged by numbers of the other halves."""
-        sums = self.sums(state).sum(axis=0)
-        left = self.left_by(state, [self.solved(sums[other])[0] for other in (1, 0)])
+        left = self.left_by(state, self.solved(self.sums(state).sum(axis=0))[0][::-1])
         out = []
         for r, starts in zip(left, self.starts, strict=True):
             size = huber_terms(np.abs(r) / self.sigma[:, None], self.rules.robust)

@@ -247,6 +247,7 @@ class _Search:
         free = [item for item in self.claims if not (item.everyone or item.common or item in taken)]
         if self.many < 2 or not free:
             return []
+        self.fits.ask_all()
         nodes = [(claim, node) for claim in free for node in claim.nodes]
         mixed = np.zeros((self.fits.rows[0].shape[2], len(nodes)))
         for c, (claim, node) in enumerate(nodes):
