@@ -108,7 +108,8 @@ def _inside(asking: Asking, base: FittedModel) -> tuple[Searched, Diagnosis]:
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
     accepted = accepted_of(extensions, agreements, done.context, question.own)
-    soft = soft_drive(state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
+    noise, follows = done.context.noise(state.last), None if state.left is None else state.left.joint
+    soft = soft_drive(state.extensions[0].fitted, state.last.fitted, noise, rules, follows)
     if soft is not None:
         possible = possible_beside(soft, accepted, possible, rules)
         return unless_doubted(write_up(done, behind(soft, last.model.joints), asking.began, possible=possible))

@@ -55,6 +55,14 @@ def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(
     assert soft_drive(base, base, base.evaluation_rms) is None  # it is not asked about noise
 
 
+def test_a_soft_drive_is_asked_about_where_an_error_near_the_noise_follows_a_variable():
+    base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
+    noise = 0.5 * base.evaluation_rms
+    assert soft_drive(base, base, noise) is None
+    found = soft_drive(base, base, noise, follows="hip")
+    assert found is not None and found.joint == "hip"
+
+
 def test_how_much_better_a_soft_drive_must_be():
     base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
     assert soft_drive(base, base, 0.1 * NOISE, replace(RULES, half=1e-4)) is None

@@ -69,13 +69,17 @@ class SoftDrive:
         return f"{ENTRY}:{self.joint}"
 
 
-def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
+def soft_drive(
+    base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES, follows: str | None = None
+) -> SoftDrive | None:
     """Return the soft drive that explains far more than everything in `last`, None where there is none.
 
-    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of little motion,
-    which some compliance fits by chance, nor where a model leaves no more than is near the noise.
+    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain, `follows` the joint whose
+    error still follows a variable. Not asked of little motion, which some compliance fits by chance, nor where a model
+    leaves no more than is near the noise and follows nothing.
     """
     asked = last.evaluation_rms > rules.near_noise * noise
+    asked |= np.array([name == follows for name in last.model.joint_names])
     # Of what swings by itself a link on a spring takes up much.
     if not asked.any() or little_motion(base.prepared, rules) or swinging(last) is not None:
         return None
