@@ -9,7 +9,7 @@ import pytest
 
 from exoid.diagnosis import discover
 from exoid.diagnosis.evidence.candidates import candidate_columns
-from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.fitted import beside_offsets, fitted_model
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.hypotheses.recordings import Seen, claims_of
 from exoid.diagnosis.own_numbers.fits import Fits, seen_before_filter
@@ -197,6 +197,25 @@ def test_zeros_that_hide_a_stop_are_found_with_it_at_one_place():
     assert [effect.name for effect in found.accepted] == ["end_stop:axis"] and not found.more_missing
     assert found.accepted[0].parameters["theta_s"].value == pytest.approx(0.3, abs=0.002)
     assert told(found)["sensor_zero"] == pytest.approx({f"run_{k}": z for k, z in enumerate(zeros)}, abs=0.01)
+
+
+def test_of_zeros_found_beside_another_model_only_how_they_differ_is_taken_as_known():
+    runs = [drive(k) for k in range(3)]
+    first = prepare(AXIS, runs[:2], runs[2:])
+    away = first.with_recordings([one.beside_own(np.full(one.wide_tau.shape, 0.3)) for one in first.all])
+    here, there = (fitted_model(identify(AXIS, some.train, optimisers=()), some) for some in (first, away))
+    assert there.evaluation_rms > 1.5 * here.evaluation_rms and beside_offsets(there) is there
+    anew = beside_offsets(replace(there, prepared=replace(away, zeroed=(0,))))
+    np.testing.assert_allclose(anew.evaluation_rms, here.evaluation_rms, rtol=0.01)
+    np.testing.assert_allclose(anew.linear, here.linear, atol=0.02)
+
+
+@pytest.mark.slow
+def test_no_second_effect_makes_up_for_an_offset_of_zeros_that_were_found_without_the_first():
+    zeros, runs = (0.6, -1.0, -0.3, -0.6), [drive(k) for k in range(4)]
+    runs = [replace(one, tau=one.tau + zeros[k] + 6.0 * swing(k, one.t)[0] ** 3) for k, one in enumerate(runs)]
+    found = discover(AXIS, runs[1:], runs[0])
+    assert [one.name for one in found.accepted] == ["hardening_spring:axis"] and not found.more_missing
 
 
 @pytest.mark.slow

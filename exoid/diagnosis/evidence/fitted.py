@@ -13,7 +13,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale, robust_weight
+from exoid.diagnosis.evidence.gram import numbers_of
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -232,6 +233,24 @@ def refitted(model: Model, known: FittedModel, prepared: Prepared) -> FittedMode
     """
     fit = identify(model, prepared.train, optimisers=(), start=shapes_from(known, model, len(prepared.train)))
     return fitted_model(fit, prepared)
+
+
+def beside_offsets(now: FittedModel) -> FittedModel:
+    """Return a model fitted anew beside the offsets that it asks for of all recordings at joints whose zeros were found
+    beside another model: only how these differ is known. Itself where recordings have none.
+    """
+    zeroed, offset = now.prepared.zeroed, np.zeros(len(now.scale))
+    if not zeroed:
+        return now
+    evidence, gram, slope = now.evidence(seed=0, draws=0), np.zeros(()), np.zeros(())
+    for block in evidence.train:
+        weight = robust_weight(block, evidence.sigma) / evidence.sigma[:, None] ** 2
+        rows = block.columns.reshape(weight.size, -1)
+        weighted = rows.T * weight.ravel()
+        gram, slope = gram + weighted @ rows, slope + weighted @ block.residual.ravel()
+    offset[list(zeroed)] = numbers_of(gram, slope)[-len(zeroed) :]
+    recordings = [item.beside_own(np.tile(offset, (len(item.wide_tau), 1))) for item in now.prepared.all]
+    return refitted(now.model, now, now.prepared.with_recordings(recordings))
 
 
 def shapes_from(known: FittedModel, model: Model, count: int) -> Float | None:

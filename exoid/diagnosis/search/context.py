@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pay, shapes_from
+from exoid.diagnosis.evidence.fitted import FittedModel, beside_offsets, fitted_model, places_pay, shapes_from
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import columns_at
@@ -70,7 +70,7 @@ class SearchContext:
         key = tuple(f"{term.name}{'*' * term.own_places}" for term in model.terms), begun
         if key not in self.fits:
             fit = identify(model, self.prepared.train, optimisers=(), start=start)
-            self.fits[key] = Extension(fitted_model(fit, self.prepared))
+            self.fits[key] = Extension(beside_offsets(fitted_model(fit, self.prepared)))
         return self.fits[key]
 
     def with_term(self, extension: Extension, score: Score) -> Extension:
