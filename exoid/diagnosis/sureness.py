@@ -22,9 +22,10 @@ VERY, FAIRLY, UNSURE = "very sure", "fairly sure", "cannot tell"
 
 MEANINGS: Mapping[str, str] = MappingProxyType(
     {
-        VERY: f"at most {1000 * RARE:g} placebos in 1000 do as well (the same effect, shifted in time), at least "
-        f"{100 * AGREEING:.0f} % of the splits of the recordings agree, nothing else does as well on them, and what is "
-        f"left at its joints is near the noise (at most {RULES.near_noise:g} times)",
+        VERY: f"at most {1000 * RARE:g} placebos in 1000 do as well (the same effect, shifted in time), half of the "
+        f"splits of the recordings can tell and at least {100 * AGREEING:.0f} % of them agree, nothing else does as "
+        f"well on these recordings, and what is left at its joints is near the noise (at most {RULES.near_noise:g} "
+        "times)",
         FAIRLY: f"more than chance (at most {100 * RULES.level:.0f} % of such findings are), and enough "
         "splits of the recordings agree or there are too few recordings to split; more may be missing",
         UNSURE: "chance does as well, or the splits of the recordings disagree, or another effect does as well on them",
@@ -60,5 +61,5 @@ def sureness(
     agreement = agreement or Agreement()
     if doubted or p is None or p > rules.level or not agreement.enough(rules):
         return UNSURE
-    very = p <= RARE and (agreement.share or 0.0) >= AGREEING and left <= rules.near_noise
-    return VERY if very else FAIRLY
+    agreed = (agreement.share or 0.0) >= AGREEING and agreement.of >= rules.half * agreement.splits
+    return VERY if p <= RARE and agreed and left <= rules.near_noise else FAIRLY

@@ -13,6 +13,8 @@ def test_very_sure_needs_rare_placebos_and_agreeing_splits():
     assert sureness(RARE, ALL) == VERY
     assert sureness(2 * RARE, ALL) == FAIRLY  # one in a few hundred by chance alone
     assert RULES.most <= 17 / 20 < AGREEING and sureness(RARE, MOST) == FAIRLY
+    # What shows in one recording of four is told of by a split alone, with which nobody disagrees.
+    assert sureness(RARE, Agreement(2, 2, splits=4)) == VERY and sureness(RARE, Agreement(1, 1, splits=4)) == FAIRLY
 
 
 def test_what_chance_or_another_does_as_well_cannot_be_told():

@@ -56,8 +56,8 @@ def columns_on(now: FittedModel, motion: Motion, shape: Float) -> Float:
 
 @dataclass(eq=False)
 class Weighing:
-    """What a `state` leaves of each part (`left`, (J, K)), as robust as which halves are weighed, and the numbers (Q,)
-    at which it does; Gram matrices (R, 2, D, D) of the columns that are `known`, zero for others.
+    """Weights of halves, as robust as what a `state` leaves of each part (`left`, (J, K)) asks for; the numbers (Q,) at
+    which it does; and Gram matrices (R, 2, D, D) of the columns that are `known`, zero for others.
     """
 
     state: State
