@@ -10,7 +10,7 @@ from typing import TypeGuard
 import numpy as np
 
 from exoid.diagnosis.evidence.best_effects import as_given, may_be_explained, most_effects
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, fitted_on
+from exoid.diagnosis.evidence.fitted import FittedModel, beside_offsets, fitted_model, fitted_on
 from exoid.diagnosis.evidence.intermittent import Intermittent, intermittent
 from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import is_near_noise
@@ -78,7 +78,7 @@ class Question:
             asked = self.asked
             prepared = prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
             prepared = prepared if self.own is None else self.own.applied(prepared)
-        return fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
+        return beside_offsets(fitted_model(identify(self.model, prepared.train, optimisers=()), prepared))
 
     def search(
         self,
