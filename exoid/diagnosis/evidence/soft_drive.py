@@ -76,10 +76,11 @@ def soft_drive(
 
     `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain, `follows` the joint whose
     error still follows a variable. Not asked of little motion, which some compliance fits by chance, nor where a model
-    leaves no more than is near the noise and follows nothing.
+    leaves no more than is near the noise, unless that follows something and effects have not explained nearly all.
     """
     asked = last.evaluation_rms > rules.near_noise * noise
-    asked |= np.array([name == follows for name in last.model.joint_names])
+    now, before = (np.maximum(item.evaluation_rms**2 - noise**2, 0.0) for item in (last, base))
+    asked |= (now > (1.0 - rules.most) * before) & [name == follows for name in last.model.joint_names]
     # Of what swings by itself a link on a spring takes up much.
     if not asked.any() or little_motion(base.prepared, rules) or swinging(last) is not None:
         return None
