@@ -96,7 +96,7 @@ def _inside(asking: Asking, base: FittedModel) -> tuple[Searched, Diagnosis]:
     done, extensions = settle(done)
     state = done.found.state
     last = extensions[-1].fitted
-    doubt = doubts_after(done.base, last, rules)
+    doubt = doubts_after(done.base, last, rules, state.left)
 
     def unless_doubted(found: Diagnosis) -> tuple[Searched, Diagnosis]:
         return done, found if doubt is None else replace(write_up(done, doubted(doubt), asking.began), inside=found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from exoid.diagnosis.discovery import discover
 from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import model_error, repeats
-from exoid.diagnosis.hypotheses.channels import doubts_after, doubts_before
+from exoid.diagnosis.hypotheses.channels import Asked, doubts_after, doubts_before, unexplained_torque
 from exoid.diagnosis.results import Diagnosis
 from exoid.diagnosis.rules import RULES
 from exoid.measurement.bench.simulation import Bench, run_bench
@@ -92,6 +93,14 @@ def test_a_torque_of_which_nothing_is_explained_may_be_that_of_a_joint_without_a
     noise = [with_torque(one, np.column_stack([one.tau[:, 0], rng.normal(size=len(one.tau))])) for one in good]
     said = doubt(noise)
     assert said is not None and said.remedy.endswith("had no drive in these recordings, say so: --passive knee")
+
+
+def test_what_a_curve_explains_of_a_torque_is_of_this_motion(good):
+    begun = base([with_torque(one, one.tau + 15.0 * np.cos(6.0 * one.q) * [0.0, 1.0]) for one in good])
+    rule = doubts_after(begun, begun).rule
+    for share, doubted in ((0.98, False), (0.5, True)):
+        found = unexplained_torque.doubt(Asked(begun, begun, RULES, SimpleNamespace(index=1, joint_share=share)))
+        assert rule.startswith("the best model leaves") and (found is not None) is doubted
 
 
 def test_a_spring_that_outweighs_the_machine_is_no_wrong_channel(good):

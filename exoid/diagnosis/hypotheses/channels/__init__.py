@@ -14,6 +14,7 @@ from types import ModuleType
 
 from exoid.diagnosis.evidence.channel_doubt import Doubt
 from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.ground.folder import modules_in
 
@@ -22,11 +23,14 @@ FIRST, BEFORE, AFTER = "first", "before", "after"
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """Subject of a doubt, on all recordings: the model that was given (`base`), and the best found (`last`), if any."""
+    """Subject of a doubt, on all recordings: the model that was given (`base`), the best found (`last`), if any, and
+    the `curve` that what it leaves follows.
+    """
 
     base: FittedModel
     last: FittedModel
     rules: Rules
+    curve: Remainder | None = None
 
 
 @cache
@@ -48,9 +52,13 @@ def doubts_before(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     return _first(BEFORE, Asked(base, base, rules))
 
 
-def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
-    """Doubt by which the best model that was found (`last`) is no answer; None without any."""
-    return _first(AFTER, Asked(base, last, rules))
+def doubts_after(
+    base: FittedModel, last: FittedModel, rules: Rules = RULES, curve: Remainder | None = None
+) -> Doubt | None:
+    """Doubt by which the best model that was found (`last`) is no answer, with the `curve` that what it leaves follows;
+    None without any.
+    """
+    return _first(AFTER, Asked(base, last, rules, curve))
 
 
 def _first(when: str, asked: Asked) -> Doubt | None:

@@ -17,9 +17,11 @@ NOTHING_EXPLAINED = 0.9
 
 
 def doubt(asked: Asked) -> Doubt | None:
-    """Doubt with the joints of which so much is left."""
-    last, rules = asked.last, asked.rules
+    """Doubt with the joints of which so much is left; not of what a curve explains, which is of this motion."""
+    last, rules, curve = asked.last, asked.rules, asked.curve
     share = left_share(last)
+    if curve is not None:
+        share[curve.index] *= 1.0 - curve.joint_share
     if not np.nanmax(share, initial=0.0) > rules.unexplained_share:
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in finite(share, last.model.joint_names))
