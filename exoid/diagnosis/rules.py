@@ -75,7 +75,8 @@ class Rules:
         0.5,
         "part that the main explanation has: of what the best gains for its rivals, of its own gain for what is "
         "something else beside it, of a torque's variance for a machine that cannot be, of the error for a swaying "
-        "base, a soft drive or an early torque: the nearest entry stands in for what the catalogue lacks",
+        "base, a soft drive or an early torque, of the splits for those that can tell: the nearest entry stands in "
+        "for what the catalogue lacks",
     )
     unexplained_share: float = _parts(
         1 / 3, "share of a torque's variance that the best model leaves: effects named for wrong channels"
