@@ -31,6 +31,10 @@ from exoid.symbolic.motion import Float
 
 SLOPE_STEP = 1e-3
 """Step of the derivative by a shape parameter, as a share of its range."""
+OFFSET_ROUNDS, SETTLED_OFFSET = 8, 0.05
+"""Times at most that an offset is found beside a model whose shape moves with it, and the last step, in standard
+deviations of what is left.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,18 +243,21 @@ def beside_offsets(now: FittedModel) -> FittedModel:
     """Return a model fitted anew beside the offsets that it asks for of all recordings at joints whose zeros were found
     beside another model: only how these differ is known. Itself where recordings have none.
     """
-    zeroed, offset = now.prepared.zeroed, np.zeros(len(now.scale))
-    if not zeroed:
-        return now
-    evidence, gram, slope = now.evidence(seed=0, draws=0), np.zeros(()), np.zeros(())
-    for block in evidence.train:
-        weight = robust_weight(block, evidence.sigma) / evidence.sigma[:, None] ** 2
-        rows = block.columns.reshape(weight.size, -1)
-        weighted = rows.T * weight.ravel()
-        gram, slope = gram + weighted @ rows, slope + weighted @ block.residual.ravel()
-    offset[list(zeroed)] = numbers_of(gram, slope)[-len(zeroed) :]
-    recordings = [item.beside_own(np.tile(offset, (len(item.wide_tau), 1))) for item in now.prepared.all]
-    return refitted(now.model, now, now.prepared.with_recordings(recordings))
+    zeroed = list(now.prepared.zeroed)
+    for _ in range(OFFSET_ROUNDS if zeroed else 0):
+        evidence, gram, slope = now.evidence(seed=0, draws=0), np.zeros(()), np.zeros(())
+        for block in evidence.train:
+            weight = robust_weight(block, evidence.sigma) / evidence.sigma[:, None] ** 2
+            rows = block.columns.reshape(weight.size, -1)
+            weighted = rows.T * weight.ravel()
+            gram, slope = gram + weighted @ rows, slope + weighted @ block.residual.ravel()
+        offset = np.zeros(len(evidence.sigma))
+        offset[zeroed] = numbers_of(gram, slope)[-len(zeroed) :]
+        recordings = [item.beside_own(np.tile(offset, (len(item.wide_tau), 1))) for item in now.prepared.all]
+        now = refitted(now.model, now, now.prepared.with_recordings(recordings))
+        if np.all(np.abs(offset) <= SETTLED_OFFSET * evidence.sigma):
+            break
+    return now
 
 
 def shapes_from(known: FittedModel, model: Model, count: int) -> Float | None:
