@@ -13,8 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale, robust_weight
-from exoid.diagnosis.evidence.gram import numbers_of
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.optimisation.fitting.fit import Fit
 from exoid.optimisation.fitting.identify import identify
@@ -245,14 +244,9 @@ def beside_offsets(now: FittedModel) -> FittedModel:
     """
     zeroed = list(now.prepared.zeroed)
     for _ in range(OFFSET_ROUNDS if zeroed else 0):
-        evidence, gram, slope = now.evidence(seed=0, draws=0), np.zeros(()), np.zeros(())
-        for block in evidence.train:
-            weight = robust_weight(block, evidence.sigma) / evidence.sigma[:, None] ** 2
-            rows = block.columns.reshape(weight.size, -1)
-            weighted = rows.T * weight.ravel()
-            gram, slope = gram + weighted @ rows, slope + weighted @ block.residual.ravel()
+        evidence = now.evidence(seed=0, draws=0)
         offset = np.zeros(len(evidence.sigma))
-        offset[zeroed] = numbers_of(gram, slope)[-len(zeroed) :]
+        offset[zeroed] = evidence.fits(evidence.is_train[None]).step[0, -len(zeroed) :]
         recordings = [item.beside_own(np.tile(offset, (len(item.wide_tau), 1))) for item in now.prepared.all]
         now = refitted(now.model, now, now.prepared.with_recordings(recordings))
         if np.all(np.abs(offset) <= SETTLED_OFFSET * evidence.sigma):
